@@ -10944,7 +10944,8 @@ static fb_real fbi_rows_miss(fb_real *worst, const fb_system_work *w, const fb_s
   for (int r = 0; r < w->n_row; r++) {
     const fb_real of = fbi_row_is_inner(w, &w->row[r]) ? size : away;
     const fb_real value = w->row[r].r.holonomic ? FB_FABS(w->row[r].r.value) / of : FB_R(0.0);
-    joint = FB_BELOW(miss, value, (fb_real)w->row[r].joint, joint);
+    const fb_real either[2] = {joint, (fb_real)w->row[r].joint};
+    joint = FBI_OF_TWO(either, miss, value);
     miss = fbi_larger(miss, value);
   }
   *worst = joint;

@@ -1,6 +1,6 @@
 /* target - every stepper under random loads, on the desktop or on a board: the digest of all states, which must be the
    same wherever it runs, and the fewest and most instructions of a step, which must be the same number, but for the
-   exact beam in double precision, friction and stops, and few of loops.
+   exact beam in double precision, friction and stops.
    Compile with -DBODY_HEADER, a header that reduce made, and -DBODY, the name in it; -DSTEPS (1000) of 1 ms; -DHISTOGRAM:
    below each line how many steps took how many instructions (make bench-jitter).
    sin, cos and atan2 are its own: those of C libraries differ in the
@@ -311,8 +311,7 @@ static int run_system(const char *name, fb_method method, int loop, int rubs, in
     }
     step++;
   }
-  return end(status, step,
-             rubs || loop); /* what rubs or not, and meets a stop or not, branches; of loops 4 of 306,788 */
+  return end(status, step, rubs); /* what rubs or not, and meets a stop or not, branches */
 }
 
 /* ---- the exact beam: a clamped boom on a moving base */

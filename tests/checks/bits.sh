@@ -1,7 +1,7 @@
 #!/bin/sh
 # Every stepper under random loads: the same bits from gcc and clang at -O0, -O2 (single precision; the boards and MIPS in both),
 # -O3, twice, on Cortex-M4F and -M7, and on a big-endian 32-bit machine (MIPS), in one precision by day; on the boards the same
-# number of instructions in every step (but of the exact beam in double, of friction and stops, and by up to 4 of loops: bench/target.c). Again with the beam as a line of large
+# number of instructions in every step (but of the exact beam in double, and of friction and stops: bench/target.c). Again with the beam as a line of large
 # deflection. FLEXBEAM_STATIC: what no stepper calls is not compiled.
 # make bench-jitter counts 100,000 of them.
 . tests/checks/common.sh
@@ -43,4 +43,4 @@ for kind in full large; do # large: lines of large deflection, by fewer compiler
 done
 echo "  steps, digest, instructions of each step, fewest and most"
 cat "$out/counts"
-ok "10 steppers, $precisions, without and with lines: same bits by gcc and clang at -O0 to -O3, on two boards and on MIPS, the same number of instructions (of the exact beam in single precision, but for friction and stops, and few of loops)"
+ok "10 steppers, $precisions, without and with lines: same bits by gcc and clang at -O0 to -O3, on two boards and on MIPS, the same number of instructions (of the exact beam in single precision, but for friction and stops)"

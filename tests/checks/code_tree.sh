@@ -175,7 +175,7 @@ done
 call='generated_step(&s, 0, 0, 0, 1)'
 main
 
-# steps TREE STATE [without|--sdirk]: sets count; without the first step, at angles of zero, whose sines are cheaper
+# steps TREE STATE [without|--sdirk] [loops]: sets count; without the first step, at angles of zero, whose sines are cheaper
 steps() {
   option=${3:-}
   "$out/write" "$1" ${option#without} > "$out/code.h" || fail "tree $1 is not written"
@@ -186,8 +186,8 @@ steps() {
   try valgrind --tool=callgrind --callgrind-out-file="$out/cg" --toggle-collect=generated_step --dump-after=generated_step "$out/count"
   [ "$option" != without ] || rm "$out/cg.1"
   cat "$out"/cg.* | sed -n 's/^summary: //p' | grep -v '^0$' | sort -n | uniq > "$out/counts"
-  count=$(tail -n 1 "$out/counts") # sines of libm take a few more or less
-  [ $((1000 * (count - $(head -n 1 "$out/counts")))) -le "$count" ] || fail "tree $1: steps differ in their number of instructions: $(tr '\n' ' ' < "$out/counts")"
+  count=$(tail -n 1 "$out/counts") # gcc makes the last selection before a check of loops a branch, of 3
+  [ $((count - $(head -n 1 "$out/counts"))) -le $([ -z "${4:-}" ] && echo 0 || echo 3) ] || fail "tree $1: steps differ in their number of instructions: $(tr '\n' ' ' < "$out/counts")"
 }
 turns='s.body_0.p[5] = 3; s.body_0.p[3] = 2;'
 steps 0 "$turns s.body_1.x[0] = 0.3;"
@@ -202,14 +202,14 @@ falls=$count
 steps 36 's.body_0.x[0] = 0.3; s.body_1.x[0] = 0.2; s.body_0.p[0] = 0.5; s.body_0.q[0] = 0.01;'
 arm=$count
 [ "$arm" -le $bound_arm ] || fail "arm of two links that bend: $arm instructions, more than $bound_arm"
-steps 21 's.body_0.p[0] = 0.3;' without
+steps 21 's.body_0.p[0] = 0.3;' without loops
 bars=$count
 steps 45 "s.body_0.p[5] = 3; s.body_0.rotor_momentum[0] = 9; s.body_1.rotor_momentum[2] = 3;" without
 turning=$count
 steps 43 "s.body_0.p[5] = 3; s.body_1.x[0] = s.body_2.x[0] = s.body_3.x[0] = 0.3; s.body_1.p[0] = 0.05;"
 wheels=$count
 [ "$bars" -le $bound_bars ] || fail "four bars: $bars instructions, more than $bound_bars"
-steps 28 "$turns s.body_1.p[0] = 0.03;" without
+steps 28 "$turns s.body_1.p[0] = 0.03;" without loops
 deploys=$count
 [ "$deploys" -le $bound_deploys ] || fail "four bars on a hub: $deploys instructions, more than $bound_deploys"
 steps 74 "$turns s.body_1.q[0] = 0.01;" without
