@@ -213,11 +213,6 @@ static int scene_code_trace(FILE *out, const tree_choice *choice, const char *co
                           sizeof engine.body[0], sizeof engine.system, sizeof engine.system_state,
                           scene_code_of->n_body};
   const code w = tree_begin(out, &engine.system, engine.body, names, choice);
-  const char *const refused = tree_refusal(&w);
-  if (refused) {
-    snprintf(text, 400, "%s", refused);
-    return 0;
-  }
   tree_write_head(&w, scene_code_of->path, fb_system_crc(&engine.system, engine.body, scene_code_of->n_body));
   return !code_write_steps(&w, what, &of, choice->lanes, tree_write_types, text);
 }

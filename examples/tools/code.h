@@ -179,7 +179,6 @@ static const char code_lanes_vectors[] =
     "#define @_wide_abs(x) ((@_wide)((@_wide_mask)(x) & %H))\n\n"
     "/* Vectors are passed by pointers, which is the same to every machine. */\n"
     "#define @_wide_sqrt(x) (*@_wide_root((@_wide[1]){x}))\n"
-    "#define @_wide_norm(x) @_wide_sqrt((x)[0] * (x)[0] + (x)[1] * (x)[1] + (x)[2] * (x)[2])\n"
     "#define @_wide_every(mask) @_wide_hold((const @_wide_mask[1]){mask})\n\n"
     "static inline @_wide *@_wide_root(@_wide *x)\n{\n"
     "#ifdef @_wide_roots\n  *x = @_wide_roots(*x);\n#else\n"

@@ -393,24 +393,6 @@ static code tree_begin(FILE *out, const fb_system *system, const fb_body *body, 
   return w;
 }
 
-/* What is not written, with what would be right; NULL: all is. In single precision the library itself has no gravity of a
-   center on joints. */
-static inline const char *tree_refusal(const code *w)
-{
-  int moves = 0, given = 0;
-  for (int k = 0; k < tree.n; k++) {
-    const tree_link *const L = &tree.link[k];
-    moves |= tree_is_root(k) || L->free + L->n + L->model->n_rotor > 0;
-    given |= L->free < L->axes;
-    if (w->single && L->model->effects & FB_EFFECT_CENTRAL_GRAVITY) {
-      return "central_gravity of bodies on joints in single precision: leave out --single";
-    }
-  }
-  return moves   ? NULL
-         : given ? "nothing can move by itself: choose a joint with a free axis, or modes"
-                 : "nothing can move: choose a joint with a free axis, or modes";
-}
-
 /* Its declarations, and where its functions begin; crc: the check word of the system. */
 static inline void tree_write_head(const code *w, const char *source, unsigned crc)
 {

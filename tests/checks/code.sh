@@ -62,26 +62,27 @@ note() {
   largest=$(printf '%s\n%s\n' "$largest" "$worst" | sort -g | tail -n 1)
 }
 
+# look_at SEED EFFECTS: a random body, generated, beside the library
+look_at() {
+  generate $1 "$2"
+  agree -O0
+  note
+}
+
 models=0
 seed=0
 while [ $seed -lt 20 ]; do
   seed=$((seed + 1))
   today $seed || continue
-  generate $seed "full damping"
-  agree -O0
-  note
+  look_at $seed "full damping"
 done
 for effects in rigid linear acceleration_stiffening "spin_stiffening acceleration_stiffening" spin "spin acceleration_stiffening" \
   "spin spin_stiffening acceleration_stiffening" full "linear damping" "full gravity" "full damping gravity"; do
-  generate 8 "$effects"
-  agree -O0
-  note
+  look_at 8 "$effects"
 done
 for base_is in pinned prescribed; do
   for effects in rigid "rigid gravity" linear "spin gravity" full "full damping gravity"; do
-    generate 10 "$effects"
-    agree -O0
-    note
+    look_at 10 "$effects"
   done
   generate 5 "full damping gravity"
   compile
@@ -139,13 +140,9 @@ largest=0
 loads=1,2
 given=-DLOADED
 for base_is in pinned prescribed free; do
-  generate 3 "full damping gravity"
-  agree -O0
-  note
+  look_at 3 "full damping gravity"
 done
-generate 8 rigid
-agree -O0
-note
+look_at 8 rigid
 generate 5 "full damping"
 compile
 generate 12 full --single
@@ -219,25 +216,19 @@ largest=0
 lines=0
 for seed in 1 3 4 5 10 11 14 17; do
   today $seed || continue
-  generate $seed "large damping"
-  agree -O0
-  note
+  look_at $seed "large damping"
   lines=$((lines + 1))
 done
 for base_is in pinned prescribed; do
   for seed in 4 14; do
-    generate $seed "large damping gravity"
-    agree -O0
-    note
+    look_at $seed "large damping gravity"
     lines=$((lines + 1))
   done
 done
 generate 14 "large gravity"
 compile
 base_is=hinged
-generate 4 "large damping"
-agree -O0
-note
+look_at 4 "large damping"
 # with loads at nodes, rotors and gravity of a center
 base_is=free
 loads=1,2
@@ -245,9 +236,7 @@ rotors="0 1 2g"
 central=400
 given="-DLOADED -DROTORS=3"
 for seed in 4 5; do
-  generate $seed "large damping"
-  agree -O0
-  note
+  look_at $seed "large damping"
   lines=$((lines + 1))
 done
 loads=

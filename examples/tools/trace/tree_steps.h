@@ -410,6 +410,9 @@ static std::string tree_refusal(const trace_choice *choice, const tree_model &tr
       return std::string(choice->body[k]) +
              ": a free joint that is locked or prescribed: choose mode free, or hang its body on the ground";
     }
+    if (choice->single && tree.of(k).effects & FB_EFFECT_CENTRAL_GRAVITY) { /* the library has none */
+      return "central_gravity of bodies on joints in single precision: leave out --single";
+    }
   }
   return "";
 }
