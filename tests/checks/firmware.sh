@@ -9,7 +9,7 @@ need riscv64-unknown-elf-gcc "gcc-riscv64-unknown-elf picolibc-riscv64-unknown-e
 bound_code=30208 # 24576 before momenta were relative to the mass center: what places O and turns onto L costs the rest; the comparison of modes 128
 bound_ram=12288
 bound_step=31300 # 12000 was the goal, see its README.md: this keeps what was reached since momenta are relative to the mass center (29000 before)
-bound_generated_code=17408 # of the step that reduce --code wrote, bytes of the image
+bound_generated_code=24832 # of the step that reduce --code wrote, bytes of the image; 17408 of the templates that it had before
 bound_generated_step=9200
 report=
 flights=0

@@ -121,11 +121,12 @@ struct factoring {
     return x;
   }
 
-  /* 1 or 0. */
+  /* 1 or 0; a product of these, too. */
   static bool is_indicator(number a)
   {
     return node_of(a) && (std::strchr("<l=", node_at(a).op) ||
-                          (node_at(a).op == '?' && !node_of(node_at(a).b) && !node_of(node_at(a).c)));
+                          (node_at(a).op == '?' && !node_of(node_at(a).b) && !node_of(node_at(a).c)) ||
+                          (node_at(a).op == '*' && is_indicator(node_at(a).a) && is_indicator(node_at(a).b)));
   }
 
   /* Sums that rounding is all of, and those of indicators. */

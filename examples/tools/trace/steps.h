@@ -407,9 +407,16 @@ struct file_of_functions {
     return all_of_them;
   }
 
-  /* What computes without a number that is none may not notice it. A state is numbers alone. */
+  /* What computes without a number that is none may not notice it. A state is numbers alone. In single precision one of
+     two values is chosen by a table: the same instructions on processors that have no selection of floats. */
   void write_finite() const
   {
+    if (w.single) {
+      std::fputs(filled(choice, "static inline float @_of_two(int first, float a, float b)\n{\n"
+                                "  const float both[2] = {b, a};\n  return both[first];\n}\n\n")
+                     .c_str(),
+                 w.out);
+    }
     std::fputs(filled(choice, std::string("static int @_is_finite(const @_state *state)\n{\n"
                                           "  const $ *const x = (const $ *)state;\n  $ sum = 0;\n"
                                           "  for (size_t i = 0; i < sizeof *state / sizeof *x; i++) {\n    sum += ") +

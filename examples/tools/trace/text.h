@@ -100,6 +100,9 @@ struct writer {
   std::string choice(const node &n) const
   {
     auto is_zero = [](number a) { return !node_of(a) && bits(a) == 0; };
+    if (!wide && single) { /* a branch where the processor has no selection of floats */
+      return name + "_of_two(" + alone(n.a) + ", " + alone(n.b) + ", " + alone(n.c) + ")";
+    }
     if (!wide) {
       return of(n.a) + " ? " + of(n.b) + " : " + of(n.c);
     }
