@@ -187,7 +187,7 @@
      fb_implicit_work             9920
      fb_exponential_work          4752
      fb_system_work             683088
-     fb_exact_work              201312
+     fb_exact_work              201320
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               426040
@@ -195,9 +195,9 @@
      fb_form_work                11648  FB_WITH_FORMS
      fb_analyse_work           1290104
      fb_system_analyse_work    2015728
-     fb_exact_path_work         230576
-     fb_exact_spectrum_work    1848000
-     fb_exact_linear_work      2300880
+     fb_exact_path_work         230584
+     fb_exact_spectrum_work    1848008
+     fb_exact_linear_work      2300888
      fb_advice_work            1156848
 
    CONVENTIONS
@@ -1815,9 +1815,9 @@ FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
 /* ---- exact beam */
 
 /* One step under loads and motion of the base of its middle. Order 2. Without dissipation the energy of a beam of any
-   line and section on a root that is held and at rest, under no loads, is constant but for the last correction of the
-   iteration, whatever the step. A free beam keeps its momentum to rounding; its energy, and that of gravity, vary by order
-   2 of the step, whatever the mesh. A limit of stability does not exist; accuracy wants omega dt below about 1 for the
+   line and section on a root that is held and at rest, in gravity, under no loads or forces of a fixed direction, is
+   constant but for the last correction of the iteration and the work of these, force times way, whatever the step. A free
+   beam keeps its momentum to rounding; its energy varies by order 2 of the step, whatever the mesh. A limit of stability does not exist; accuracy wants omega dt below about 1 for the
    modes that matter. Supports beyond the root are brought back to their place across the reaction, so that they do no
    work: within the next step, in steps below 0.03 fb_exact.time (about a sixtieth of the period of a cantilever's first
    mode) by the part (dt/0.03 time)^2 of the way, so that the reaction does not grow with shorter steps. Of one rotation
@@ -3271,6 +3271,7 @@ typedef struct fbi_exact_motion { /* how pose, velocity and momentum hang on the
   fb_real pose;                   /* change of pose by d */
   fb_real shift;                  /* rate of a strain, momentum or pose by itself */
   int damped;                     /* structural damping counts */
+  int stands;                     /* gravity and dead forces have a potential (E11.56) */
 } fbi_exact_motion;
 
 /* Functions of the twist of an element (E10.28). */
@@ -3309,6 +3310,7 @@ struct fb_exact_work {
   fb_real strain[6 * FB_MAX_EXACT], momentum[6 * FB_MAX_EXACT], velocity[6 * (FB_MAX_EXACT + 1)],
       node_momentum[6 * (FB_MAX_EXACT + 1)];                                            /* where rates start */
   fb_real B[6 * (FB_MAX_EXACT + 1)], c[6 * FB_MAX_EXACT], want[6 * (FB_MAX_EXACT + 1)]; /* residuals */
+  fb_real power;                                                   /* of gravity and dead forces at mid-step */
   fb_real way[2][6 * (FB_MAX_EXACT + 1)], away, along[2], pull[3]; /* of held nodes back to their place (E10.16) */
   /* Joints: angle at the start of the step, or near that of the steady state; where its rate starts from; driven ones:
      angle to hold in a steady state; motors */
