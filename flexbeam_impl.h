@@ -20467,7 +20467,7 @@ static int fbi_exact_stands(const fb_exact_work *work, const fb_exact *m)
 {
   int driven = 0;
   for (int j = 0; j < m->n_joint; j++) {
-    driven |= m->joint[j].driven;
+    driven |= m->joint[j].driven && work->motor[j] != FB_R(0.0);
   }
   return !m->floating && !driven && fbi_is_zero(work->twist, 6) && fbi_is_zero(work->drift, 3) &&
          (work->motion.gravity || work->motion.dead);
