@@ -186,7 +186,7 @@
      fb_rk4_work                  1728
      fb_implicit_work             9920
      fb_exponential_work          4752
-     fb_system_work             683088
+     fb_system_work             684344
      fb_exact_work              201320
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
@@ -194,7 +194,7 @@
      fb_build_work             4291912  most of it an fb_modes_work
      fb_form_work                11648  FB_WITH_FORMS
      fb_analyse_work           1290104
-     fb_system_analyse_work    2015728
+     fb_system_analyse_work    2016984
      fb_exact_path_work         230584
      fb_exact_spectrum_work    1848008
      fb_exact_linear_work      2300888
@@ -1204,7 +1204,7 @@ FB_API void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *
 
 /* z, x: axes of the joint frame */
 typedef enum fb_joint_kind {
-  FB_JOINT_FREE = 0,        /* no joint, six speeds (v, w) against the ground; parent is ignored */
+  FB_JOINT_FREE = 0,        /* six speeds (v, w) against the ground, maybe on springs; parent is ignored */
   FB_JOINT_RIGID = 1,       /* no motion */
   FB_JOINT_REVOLUTE = 2,    /* angle about z */
   FB_JOINT_PRISMATIC = 3,   /* slide along z */
@@ -1245,10 +1245,11 @@ typedef struct fb_joint { /* a checked desc */
   int moves;                    /* the parent's node moves in its body */
   int turned;                   /* the joint axes on the child are not the body's */
   int about;                    /* 1..3: it turns about that axis of both bodies, 4..6: against it; 0: about none */
+  int moored;                   /* a free joint has springs or dampers, 2: springs of the rotation, too */
   fb_real position[3], axes[9]; /* joint frame in the parent's node axes; where the node does not move: in the body's */
   fb_real child_position[3], child_axes[9]; /* in the child's body or, of a loop, node axes */
   fb_real A[18];                            /* twists of the axes, child's axes about its origin, 6 each */
-  fb_real pitch, stiffness[3], rest[3], damping[3];
+  fb_real pitch, stiffness[6], rest[6], damping[6];
   fb_real friction[3], friction_speed[3], stop[3][2], stop_stiffness[3], stop_loss[3];
   fb_real bias[3]; /* of linear models: effort of friction beyond that of a damper */
   fb_axis_mode mode[3];
@@ -1272,6 +1273,7 @@ typedef struct fb_system { /* constant after init, may live in ROM; the models s
   int tied;                   /* constraints tie free trees, 1: to each other, 2: to the ground */
   int carries_rotors;         /* a body has rotors inside */
   int rubs;                   /* a joint has friction or stops */
+  int moored;                 /* a free joint has springs or dampers */
   fb_real limit_elastic; /* [1/s^2] largest eigenvalue of springs and modes against the system's mass, undeformed */
   fb_real limit_damping; /* [1/s] the same of the dampers */
   fb_real limit_loop_elastic, limit_loop_damping;     /* what springs and dampers of joints of loops add at most */
@@ -2414,8 +2416,12 @@ typedef struct fb_joint_desc {
   fb_real child_position[3], child_attitude[4]; /* joint frame on the child; both coincide at zero coordinates */
   fb_real pitch;                                /* [m/rad] screw */
   fb_axis_mode mode[3]; /* initial mode of each axis; spherical and free: mode[0] applies to all */
-  /* [N m/rad, N/m], [rad, m], [N m s/rad, N s/m]; spherical: the first applies to all, rest is zero */
-  fb_real stiffness[3], rest[3], damping[3];
+  /* [N m/rad, N/m], [rad, m], [N m s/rad, N s/m]; spherical: the first applies to all, rest is zero. Free, a body on
+     moorings: of O along x, y, z of the ground, then of the rotation vector of the body's attitude, energy
+     k (theta_i - rest_i)^2/2 each; dampers of the velocity of O along x, y, z of the ground, then of w about the axes of
+     the body (E9.30). FB_ERR_RANGE: springs of the rotation at 3.1 rad, since the rotation vector jumps at pi; a joint
+     frame or axis beside them is refused */
+  fb_real stiffness[6], rest[6], damping[6];
   /* Friction, E9.28: Coulomb's [N m, N], regularized. It has 71 % of its size at friction_speed [rad/s, m/s], positive
      where there is friction; below it is a damper, so that a joint under load creeps. Stops, E9.29: springs [N m/rad,
      N/m] beyond the values stop[i][0] and stop[i][1] [rad, m], the higher second; stop_loss c [s/rad, s/m]: an impact
@@ -3167,6 +3173,7 @@ typedef struct fbi_link_work {
   int factored;         /* of a free joint: the factors of S are known */
   fbi_sym6_factors factors;
   fb_real stiffness[3], damping[3]; /* of the axes of a joint with friction or stops, in an implicit step */
+  fb_real mooring[6];               /* of a free joint on springs: their force and moment about O, body axes */
   fb_real E[FB_MAX_MODES * FB_MAX_MODES], X[6 * FB_MAX_MODES];
   fb_real y[6], p[6], pi[FB_MAX_MODES];                                  /* right-hand side */
   fb_real b[6], r[3], e[FB_MAX_MODES];                                   /* eliminated */

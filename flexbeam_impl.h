@@ -1014,8 +1014,8 @@ static void fbi_quat_from_mat33(fb_real q[4], const fb_real R[9])
    depend on the angle. */
 static fb_real fbi_quotient(fb_real x, fb_real t2, fb_real series)
 {
-  const fb_real small = (fb_real)(t2 < FB_R(1e-2));
-  return small * series + (FB_R(1.0) - small) * x / fbi_larger(t2, FB_R(1e-2));
+  const fb_real of[2] = {x / fbi_larger(t2, FB_R(1e-2)), series};
+  return FBI_OF_TWO(of, t2, FB_R(1e-2));
 }
 
 /* [E4.6] SE(3) exponential, the pose at the end of a line with constant twist per length (a helix): r = V(k) e,
@@ -9104,6 +9104,21 @@ static const fb_real *fbi_damping_of(const fbi_link_work *L, const fb_joint *joi
   return joint->rubs && g > FB_R(0.0) ? L->damping : joint->damping;
 }
 
+/* S += g C + g^2 K of a free joint on springs, its rotation as at small angles: R^T diag R of O, diag of the rotation. */
+static FBI_NOINLINE void fbi_mooring_soften(fb_real S[21], const fbi_link_work *L, const fb_joint *joint, fb_real g)
+{
+  static const int at[6] = {0, 6, 11, 15, 18, 20};
+  for (int i = 0; i < 6; i++) {
+    const fb_real D = g * joint->damping[i] + g * g * joint->stiffness[i];
+    for (int a = 0; a < 3 && i < 3; a++) {
+      for (int b = a; b < 3; b++) {
+        S[at[a] + b - a] += D * L->k.R[3 * i + a] * L->k.R[3 * i + b];
+      }
+    }
+    S[at[i]] += i < 3 ? FB_R(0.0) : D;
+  }
+}
+
 /* S -= U U^T / D of axis i; reference: the size of the summands of D. */
 static fb_status fbi_axis_eliminate(fbi_link_work *L, int i, fb_real D, fb_real reference)
 {
@@ -9150,6 +9165,9 @@ static fb_status fbi_joint_eliminate(fbi_link_work *L, const fb_joint *joint, fb
     const fb_real mass = fbi_smaller(FB_FABS(own[0]), fbi_smaller(FB_FABS(own[1]), FB_FABS(own[2])));
     const fb_real moment = fbi_smaller(FB_FABS(own[3]), fbi_smaller(FB_FABS(own[4]), FB_FABS(own[5])));
     const int nothing = mass < FB_R(16.0) * FB_EPSILON * L->mass || moment < FB_R(16.0) * FB_EPSILON * L->moment;
+    if (joint->moored && g > FB_R(0.0)) {
+      fbi_mooring_soften(L->S, L, joint, g);
+    }
     return L->mode[0] == FB_AXIS_FREE && nothing ? FB_ERR_UNDETERMINED : FB_OK;
   }
 
@@ -9581,6 +9599,15 @@ static void fbi_dense_add(fb_system_work *w, const fb_system *system, const fb_b
   }
   for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
     w->M[(axes + i) * (N + 1)] += g * fbi_damping_of(L, joint, g)[i] + g * g * fbi_stiffness_of(L, joint, g)[i];
+  }
+  if (joint->moored && g > FB_R(0.0)) {
+    fb_real D[21] = {0};
+    fbi_mooring_soften(D, L, joint, g);
+    for (int i = 0, at = 0; i < 6; i++) {
+      for (int j = i; j < 6; j++) {
+        w->M[(axes + j) * N + axes + i] += D[at++];
+      }
+    }
   }
 }
 
@@ -11502,24 +11529,71 @@ static fb_real fbi_axis_torque(const fb_joint *joint, fb_real motor, int i, fb_r
 /* Greatest stiffness and damping of axis i, stops at impacts much slower than 1/stop_loss. */
 static fb_real fbi_axis_stiffness(const fb_joint *joint, int i)
 {
-  return joint->stiffness[i] + joint->stop_stiffness[i];
+  return joint->stiffness[i] + (i < 3 ? joint->stop_stiffness[i] : FB_R(0.0));
 }
 
 static fb_real fbi_axis_damping(const fb_joint *joint, int i)
 {
-  return joint->damping[i] + fbi_friction(joint, i, FB_R(0.0));
+  return joint->damping[i] + (i < 3 ? fbi_friction(joint, i, FB_R(0.0)) : FB_R(0.0));
 }
 #endif
+
+#define FBI_MOORED_TURN FB_R(3.1) /* [rad] */
 
 /* Has joint j a spring, a damper, a stop, friction or a motor at work? */
 static int fbi_is_sprung(const fb_joint *joint, const fb_system_work *w, const fb_system_input *input, int j)
 {
-  fb_real sum = FB_R(0.0);
+  fb_real sum = (fb_real)joint->moored;
   for (int i = 0; i < joint->n_axis && i < 3; i++) {
     sum += joint->stiffness[i] + joint->damping[i] + joint->stop_stiffness[i] + joint->friction[i];
     sum += FB_FABS(fbi_motor(w, input, j, i));
   }
   return sum > FB_R(0.0);
+}
+
+/* Coordinates of a free joint on springs: O from the ground, and the rotation vector of its attitude. */
+static void fbi_mooring_values(fb_real value[6], const fb_system_work *w, const fb_link_state *x, int k)
+{
+  for (int i = 0; i < 3; i++) {
+    value[i] = fbi_true_position(w, k, w->link[k].rho, i);
+  }
+  fb_quat_to_rotvec(value + 3, x->quat);
+}
+
+/* [E9.30] Springs and dampers of a free joint on the body, about O, in L->mooring: force -k (x - rest) - c v in axes of the ground; moment
+   -T^-T K (theta - rest) - c w in axes of the body, with theta_dot = T^-1 w: the gradient of sum k (theta - rest)^2/2. By
+   E4.7 T^-T f is f - theta x f/2 + g theta x (theta x f).
+   Source: virtual work.  Cost: 120 flops, an arctangent.  Fails: FB_ERR_RANGE, near half a turn.
+   Test: moorings_are_the_gradient_of_their_energy, moorings_are_massless_carriages. */
+static FBI_NOINLINE fb_status fbi_mooring_load(fb_system_work *w, const fb_link_state *x, int k)
+{
+  fbi_link_work *const L = &w->link[k];
+  const fb_joint *const joint = L->joint;
+  fb_real value[6], v[3], f[6], on[3], moment[6] = {0};
+  fbi_mooring_values(value, w, x, k);
+  fb_mat33_mul_vec3(v, L->k.R, L->V);
+  fbi_vec3_add(v, FB_R(1.0), w->link[L->root].frame);
+  for (int i = 0; i < 6; i++) {
+    f[i] = joint->stiffness[i] * (value[i] - joint->rest[i]);
+  }
+  for (int i = 0; i < 3; i++) {
+    f[i] += joint->damping[i] * v[i];
+  }
+  if (joint->moored > 1) {
+    const fb_real size = fbi_vec3_norm(value + 3);
+    if (!(size < FBI_MOORED_TURN)) {
+      return FBI_REFUSE(FB_ERR_RANGE, "joint: rotation [rad] of a free one on springs, below", k, size,
+                        FBI_MOORED_TURN);
+    }
+    fb_pose_to_twist(moment, f + 3, x->quat);
+  }
+  fb_mat33_mulT_vec3(on, L->k.R, f);
+  for (int i = 0; i < 3; i++) {
+    L->mooring[i] = -on[i];
+    L->mooring[3 + i] = -moment[i] - joint->damping[3 + i] * L->V[3 + i];
+  }
+  L->k.loaded = 1;
+  return FB_OK;
 }
 
 /* Speed of a joint from its frames, which move: relative motion of the child in the direction (force, torque). */
@@ -11816,6 +11890,11 @@ static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_sy
     status = status ? status : fbi_forces_load(w, system, body, state, input);
     w->has_forces = 1;
   }
+  for (int k = 0; k < system->n_body && system->moored && status == FB_OK; k++) {
+    if (w->link[k].joint->moored && w->link[k].mode[0] == FB_AXIS_FREE) {
+      status = fbi_mooring_load(w, &state->link[k], k);
+    }
+  }
   if (system->n_spring > 0 && status == FB_OK) {
     status = fbi_springs_load(power, w, system, body, input);
   }
@@ -12072,6 +12151,11 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
   rate->motor_work = w->closed ? power + fbi_loops_load(w, system, modes, input) : power;
   for (int k = 0; k < system->n_body; k++) {
     fbi_vec6_copy(w->link[k].F, w->link[k].k.fg);
+  }
+  for (int k = 0; k < system->n_body && system->moored; k++) {
+    if (w->link[k].joint->moored && w->link[k].mode[0] == FB_AXIS_FREE) {
+      fbi_vec6_add(w->link[k].F, FB_R(1.0), w->link[k].mooring);
+    }
   }
   if (w->n_row > 0) {
     fbi_rows_loads(w, system, body);
@@ -13246,6 +13330,9 @@ static void fbi_free_efforts(fb_system_work *w, const fb_joint *joint, const fb_
   fb_real value[3];
   fbi_vec6_zero(L->p);
   if (joint->kind == FB_JOINT_FREE) {
+    if (joint->moored && L->mode[0] == FB_AXIS_FREE) {
+      fbi_vec6_copy(L->p, L->mooring);
+    }
     return;
   }
   fbi_axis_values(value, joint, x);
@@ -13757,18 +13844,21 @@ static void fbi_spring_energy_add(fb_energy *out, fb_system_work *w, const fb_sy
                                   const fb_system_state *state, int j)
 {
   const fb_joint *joint = &system->joint[j];
-  fb_real value[3];
+  fb_real value[6];
   if (fbi_is_loop(system, j)) {
     fbi_frames f;
     (void)fbi_frames_eval(&f, w, system, body, j);
     fbi_frames_value(value, &f, joint);
+  } else if (joint->moored) {
+    fbi_mooring_values(value, w, &state->link[j], j);
   } else {
     fbi_axis_values(value, joint, &state->link[j]);
   }
-  for (int i = 0; i < joint->n_axis && i < 3; i++) {
+  for (int i = 0; i < joint->n_axis && (i < 3 || joint->moored); i++) {
     const fb_real stretch = value[i] - joint->rest[i];
-    const fb_real depth = fbi_stop_depth(joint, i, value[i]);
-    out->strain += FB_R(0.5) * (joint->stiffness[i] * stretch * stretch + joint->stop_stiffness[i] * depth * depth);
+    const fb_real depth = i < 3 ? fbi_stop_depth(joint, i, value[i]) : FB_R(0.0);
+    out->strain += FB_R(0.5) * joint->stiffness[i] * stretch * stretch;
+    out->strain += i < 3 ? FB_R(0.5) * joint->stop_stiffness[i] * depth * depth : FB_R(0.0);
   }
 }
 
@@ -13863,13 +13953,14 @@ static void fbi_system_walk(fbi_walk *w, const fb_system *system)
 {
   FBI_INT(system, n_body), FBI_INT(system, n_loop), FBI_INT(system, n_spring), FBI_INT(system, method);
   FBI_INT(system, allow_long_step), FBI_INT(system, tied), FBI_INT(system, carries_rotors), FBI_INT(system, rubs);
+  FBI_INT(system, moored);
   fbi_walk_ints(w, system->model, system->n_body);
   fbi_walk_ints(w, system->coupled, system->n_body);
   FBI_REALS(fb_system, system, limit_elastic, limit_spring_damping);
   for (FBI_EACH(fb_joint, x, "joint", system->joint, system->n_body + system->n_loop)) {
     FBI_INT(x, kind), FBI_INT(x, parent), FBI_INT(x, parent_node), FBI_INT(x, child), FBI_INT(x, child_node);
-    FBI_INT(x, n_axis), FBI_INT(x, moves), FBI_INT(x, turned), FBI_INT(x, about), FBI_INT(x, rubs), FBI_INT(x, mode[0]);
-    FBI_INT(x, mode[1]), FBI_INT(x, mode[2]), FBI_REALS(fb_joint, x, position, bias);
+    FBI_INT(x, n_axis), FBI_INT(x, moves), FBI_INT(x, turned), FBI_INT(x, about), FBI_INT(x, rubs), FBI_INT(x, moored);
+    FBI_INT(x, mode[0]), FBI_INT(x, mode[1]), FBI_INT(x, mode[2]), FBI_REALS(fb_joint, x, position, bias);
   }
   for (FBI_EACH(fb_spring, x, "spring", system->spring, system->n_spring)) {
     fbi_walk_ints(w, x->body, 2), fbi_walk_ints(w, x->node, 2);
@@ -13884,7 +13975,8 @@ static int fbi_joint_is_valid(const fb_system *system, const fb_body *body, int 
   int valid = fbi_is_choice((int)joint->kind, (int)FB_JOINT_COUNT - 1) && joint->parent >= FB_GROUND &&
               joint->parent < most && fbi_is_within(joint->child, system->n_body - 1) && (loop || joint->child == j) &&
               joint->parent_node >= 0 && joint->child_node >= 0 && fbi_is_flag(joint->moves) &&
-              fbi_is_flag(joint->turned) && fbi_is_within(joint->about, 6) && fbi_is_flag(joint->rubs);
+              fbi_is_flag(joint->turned) && fbi_is_within(joint->about, 6) && fbi_is_flag(joint->rubs) &&
+              fbi_is_within(joint->moored, joint->kind == FB_JOINT_FREE ? 2 : 0);
 
   /* axes and nodes */
   valid = valid && joint->n_axis == fbi_traits(joint)->n_axis &&
@@ -13893,7 +13985,8 @@ static int fbi_joint_is_valid(const fb_system *system, const fb_body *body, int 
           joint->child_node < fbi_model(system, body, joint->child)->n_node;
   for (int i = 0; valid && i < 3; i++) {
     valid = fbi_is_choice((int)joint->mode[i], (int)FB_AXIS_COUNT - 1) && joint->stiffness[i] >= FB_R(0.0) &&
-            joint->damping[i] >= FB_R(0.0) && joint->friction[i] >= FB_R(0.0) &&
+            joint->stiffness[3 + i] >= FB_R(0.0) && joint->damping[i] >= FB_R(0.0) &&
+            joint->damping[3 + i] >= FB_R(0.0) && joint->friction[i] >= FB_R(0.0) &&
             joint->stop_stiffness[i] >= FB_R(0.0) && joint->stop_loss[i] >= FB_R(0.0) &&
             (joint->friction_speed[i] > FB_R(0.0) || !(joint->friction[i] > FB_R(0.0)));
   }
@@ -13930,7 +14023,7 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
   fbi_system_walk(&w, system);
   valid = w.finite && fbi_is_choice((int)system->method, (int)FB_METHOD_COUNT - 1) &&
           fbi_is_flag(system->allow_long_step) && fbi_is_flag(system->carries_rotors) && fbi_is_flag(system->rubs) &&
-          fbi_is_within(system->tied, 2);
+          fbi_is_flag(system->moored) && fbi_is_within(system->tied, 2);
 
   /* models and joints */
   for (int k = 0; valid && k < system->n_body; k++) {
@@ -19127,10 +19220,10 @@ static void fbi_power_multiply(fb_real *size, fbi_link_work *L, const fb_body *b
   }
   *size += fbi_dot(L->pi, L->q_dot, body->n);
 
-  /* Axes; a free joint has neither springs nor dampers */
-  for (int i = 0; i < joint->n_axis && i < 3 && joint->kind != FB_JOINT_FREE; i++) {
+  /* Axes */
+  for (int i = 0; i < joint->n_axis; i++) {
     const fb_real axis = A == FBI_STIFFNESS ? fbi_axis_stiffness(joint, i) : fbi_axis_damping(joint, i);
-    L->p[i] = L->mode[i] == FB_AXIS_FREE ? axis * L->u[i] : FB_R(0.0);
+    L->p[i] = fbi_axis_mode(L, joint, i) == FB_AXIS_FREE ? axis * L->u[i] : FB_R(0.0);
     *size += L->p[i] * L->u[i];
   }
 }
@@ -19150,7 +19243,7 @@ static int fbi_power_scaled(fb_system_work *w, const fb_system *system, const fb
     for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
       w->link[k].pi[a] *= size;
     }
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 6; i++) {
       w->link[k].p[i] *= size;
     }
   }
@@ -19164,8 +19257,8 @@ static fb_real fbi_power_product(fb_system_work *w, const fb_system *system, con
   for (int k = 0; k < system->n_body; k++) {
     const fbi_link_work *L = &w->link[k];
     sum += fbi_dot(L->pi, L->q_dot, fbi_model(system, body, k)->n);
-    for (int i = 0; i < system->joint[k].n_axis && i < 3; i++) {
-      sum += L->mode[i] == FB_AXIS_FREE ? L->p[i] * L->u[i] : FB_R(0.0);
+    for (int i = 0; i < system->joint[k].n_axis; i++) {
+      sum += fbi_axis_mode(L, &system->joint[k], i) == FB_AXIS_FREE ? L->p[i] * L->u[i] : FB_R(0.0);
     }
   }
   return sum;
@@ -19194,8 +19287,8 @@ static FBI_NOINLINE fb_real fbi_system_bent(fb_system_work *w, const fb_system *
       L->pi[a] = K->diagonal[a] > FB_R(0.0) ? FB_SQRT(K->diagonal[a]) : FB_R(0.0);
       L->pi[a] = (7 * k + 3 * a) % 5 < 2 ? -L->pi[a] : L->pi[a];
     }
-    for (int i = 0; i < L->joint->n_axis && i < 3 && L->joint->kind != FB_JOINT_FREE; i++) {
-      L->p[i] = L->mode[i] == FB_AXIS_FREE ? FB_SQRT(fbi_axis_stiffness(L->joint, i)) : FB_R(0.0);
+    for (int i = 0; i < L->joint->n_axis; i++) {
+      L->p[i] = fbi_axis_mode(L, L->joint, i) == FB_AXIS_FREE ? FB_SQRT(fbi_axis_stiffness(L->joint, i)) : FB_R(0.0);
     }
   }
   status = fbi_speeds_solve(w, system, body);
@@ -19299,11 +19392,15 @@ static fb_status fbi_refuse_step(const fb_system_work *w, const fb_system *syste
     }
 
     /* Its joint, or one that closes a loop */
-    for (int i = 0; i < joint->n_axis && i < 3 && joint->kind != FB_JOINT_FREE; i++) {
-      const int tree = all && !loop && w->link[j].mode[i] == FB_AXIS_FREE;
+    for (int i = 0; i < joint->n_axis; i++) {
+      static const int own_inertia[6] = {0, 6, 11, 15, 18, 20};
+      const int tree = all && !loop && fbi_axis_mode(&w->link[j], joint, i) == FB_AXIS_FREE;
       const fb_real k = fbi_axis_stiffness(joint, i), c = fbi_axis_damping(joint, i);
-      const fb_real stiff = loop ? system->limit_loop_elastic : tree ? k * w->link[j].D[i] : FB_R(0.0);
-      const fb_real damp = loop ? system->limit_loop_damping : tree ? c * w->link[j].D[i] : FB_R(0.0);
+      const fb_real D = !tree                          ? FB_R(0.0)
+                        : joint->kind == FB_JOINT_FREE ? FB_R(1.0) / w->link[j].S[own_inertia[i]]
+                                                       : w->link[j].D[i];
+      const fb_real stiff = loop ? system->limit_loop_elastic : k * D;
+      const fb_real damp = loop ? system->limit_loop_damping : c * D;
       own[3] = k > FB_R(0.0) ? fbi_larger(own[3], FB_SQRT(stiff)) : own[3];
       own[4] = c > FB_R(0.0) ? fbi_larger(own[4], damp) : own[4];
     }
@@ -19801,6 +19898,20 @@ static FBI_NOINLINE void fbi_axes_soften(fb_system_work *w, const fb_system *sys
   }
 }
 
+/* p -= K d + C u of a free joint on springs as in fbi_mooring_soften: d, u of O in axes of the ground, of the rotation in axes
+   of the body; p in those of the body. */
+static FBI_NOINLINE void fbi_mooring_sub(fb_real p[6], const fbi_link_work *L, const fb_real d[6], const fb_real u[6])
+{
+  const fb_joint *const joint = L->joint;
+  fb_real f[6], on[3];
+  for (int i = 0; i < 6; i++) {
+    f[i] = joint->stiffness[i] * d[i] + joint->damping[i] * u[i];
+  }
+  fb_mat33_mulT_vec3(on, L->k.R, f);
+  fbi_vec3_add(p, -FB_R(1.0), on);
+  fbi_vec3_add(p + 3, -FB_R(1.0), f + 3);
+}
+
 /* Right-hand side g r_p - g^2 K r_v of E11.13. */
 static void fbi_newton_fill(fb_system_work *w, const fb_system *system, const fb_body *body, const fb_system_state *r,
                             const fb_system_state *at, fb_real g)
@@ -19828,6 +19939,16 @@ static void fbi_newton_fill(fb_system_work *w, const fb_system *system, const fb
       fb_real turn[3];
       fbi_body_rate_from_quat_rate(turn, at->link[k].quat, x->quat);
       fbi_row_sub(L->p, g * g * joint->stiffness[0], turn, 3);
+    }
+    if (joint->moored && L->mode[0] == FB_AXIS_FREE) {
+      const fb_real none[6] = {0};
+      fb_real d[6];
+      fbi_vec3_copy(d, x->lost_x);
+      fbi_body_rate_from_quat_rate(d + 3, at->link[k].quat, x->quat);
+      for (int i = 0; i < 6; i++) {
+        d[i] *= g * g;
+      }
+      fbi_mooring_sub(L->p, L, d, none);
     }
     for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
       const int moves = joint->kind != FB_JOINT_SPHERICAL;
@@ -19866,6 +19987,21 @@ static void fbi_newton_substitute(fb_system_state *r, fb_system_work *w, const f
     if (joint->kind == FB_JOINT_FREE) {
       fbi_vec3_add(x->lost_x, FB_R(1.0), move.lost_x);
       fbi_vec3_add_cross(x->p + 3, at->link[k].p, move.lost_x);
+      if (joint->moored && L->mode[0] == FB_AXIS_FREE) {
+        fb_real d[6], u[6], p[6] = {0}, push[3];
+        fbi_vec3_copy(d, x->lost_x);
+        fbi_body_rate_from_quat_rate(d + 3, at->link[k].quat, x->quat);
+        fbi_vec3_copy(u, move.lost_x);
+        fbi_vec3_copy(u + 3, L->u + 3);
+        for (int i = 0; i < 6; i++) {
+          d[i] *= g;
+        }
+        fbi_mooring_sub(p, L, d, u);
+        for (int i = 0; i < 6; i += 3) {
+          fb_mat33_mul_vec3(push, L->k.R, p + i);
+          fbi_vec3_add(x->p + i, FB_R(1.0), push);
+        }
+      }
     } else if (joint->kind == FB_JOINT_SPHERICAL) {
       fb_real turn[3], torque[3], inertial[3];
       fbi_body_rate_from_quat_rate(turn, at->link[k].quat, x->quat);
@@ -28621,6 +28757,13 @@ static int fbi_has_friction_speed(const fb_joint_desc *d)
   return has;
 }
 
+/* Has it a frame or an axis of its own? */
+static int fbi_has_frame(const fb_joint_desc *d)
+{
+  return !fbi_is_zero(d->position, 3) || !fbi_is_zero(d->child_position, 3) || !fbi_is_zero(d->attitude + 1, 3) ||
+         !fbi_is_zero(d->child_attitude + 1, 3) || !fbi_is_zero(d->axis, 3) || !fbi_is_zero(d->child_axis, 3);
+}
+
 /* Are the stops in order, and can the joint reach them? Angles of joints of loops are known within half a turn. */
 static int fbi_has_stops(const fb_joint_desc *d, int loop)
 {
@@ -28640,14 +28783,15 @@ static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body
   const int loop = j >= desc->n_body, last = loop ? desc->n_body : j;
   const fb_joint_desc *d = loop ? &desc->loop[j - desc->n_body] : &desc->joint[j];
   const int kind = (int)d->kind, free = d->kind == FB_JOINT_FREE,
-            bare = fbi_is_zero(d->stiffness, 3) && fbi_is_zero(d->damping, 3),
+            bare = fbi_is_zero(d->stiffness, 6) && fbi_is_zero(d->damping, 6), framed = fbi_has_frame(d),
+            beyond = fbi_is_zero(d->stiffness + 3, 3) && fbi_is_zero(d->rest + 3, 3) && fbi_is_zero(d->damping + 3, 3),
             smooth = fbi_is_zero(d->friction, 3) && fbi_is_zero(d->stop_stiffness, 3);
   const fbi_number field[] = {FBI_ANY(d->position, 3, "joint: position [m]"),
                               FBI_ANY(d->child_position, 3, "joint: child_position [m]"),
                               FBI_ANY(&d->pitch, 1, "joint: pitch [m/rad]"),
-                              FBI_NOT_NEGATIVE(d->stiffness, 3, "joint: stiffness [N m/rad, N/m]"),
-                              FBI_ANY(d->rest, 3, "joint: rest [rad, m]"),
-                              FBI_NOT_NEGATIVE(d->damping, 3, "joint: damping [N m s/rad, N s/m]"),
+                              FBI_NOT_NEGATIVE(d->stiffness, 6, "joint: stiffness [N m/rad, N/m]"),
+                              FBI_ANY(d->rest, 6, "joint: rest [rad, m]"),
+                              FBI_NOT_NEGATIVE(d->damping, 6, "joint: damping [N m s/rad, N s/m]"),
                               FBI_NOT_NEGATIVE(d->friction, 3, "joint: friction [N m, N]"),
                               FBI_NOT_NEGATIVE(d->friction_speed, 3, "joint: friction_speed [rad/s, m/s]"),
                               FBI_ANY(d->stop[0], 6, "joint: stop [rad, m]"),
@@ -28668,7 +28812,10 @@ static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body
       FBI_CLAIM(fbi_is_side(d->child_axis, d->child_attitude),
                 "joint: child_axis, not so short and without child_attitude"),
       FBI_CLAIM(!free || !loop, "joint: kind of one that closes a loop, not FB_JOINT_FREE"),
-      FBI_CLAIM(!free || bare, "joint: stiffness and damping of FB_JOINT_FREE, 0"),
+      FBI_CLAIM(!free || bare || !framed,
+                "joint: position, attitude and axes beside stiffness or damping of FB_JOINT_FREE, 0"),
+      FBI_CLAIM(free || beyond,
+                "joint: stiffness, rest and damping of the fourth axis and later ones, of FB_JOINT_FREE alone, 0"),
       FBI_CLAIM(!fbi_is_ball(d->kind) || smooth,
                 "joint: friction and stop_stiffness of FB_JOINT_FREE and _SPHERICAL, 0"),
       FBI_CLAIM(fbi_has_friction_speed(d), "joint: friction_speed [rad/s, m/s] of an axis with friction, positive"),
@@ -28758,12 +28905,21 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
   joint->pitch = d->pitch;
   fbi_joint_twists(joint);
 
-  /* Axes; spherical and free joints have one value for all */
+  /* Springs and dampers; spherical joints have one value for all */
+  for (int i = 0; i < 6; i++) {
+    const int ball = d->kind == FB_JOINT_SPHERICAL;
+    joint->stiffness[i] = ball ? (i < 3 ? d->stiffness[0] : FB_R(0.0)) : d->stiffness[i];
+    joint->rest[i] = ball ? FB_R(0.0) : d->rest[i];
+    joint->damping[i] = ball ? (i < 3 ? d->damping[0] : FB_R(0.0)) : d->damping[i];
+  }
+  if (d->kind == FB_JOINT_FREE) {
+    const int still = fbi_is_zero(d->stiffness, 6) && fbi_is_zero(d->damping, 6);
+    joint->moored = still ? 0 : fbi_is_zero(d->stiffness + 3, 3) ? 1 : 2;
+  }
+
+  /* Axes; spherical and free joints have one mode for all */
   for (int i = 0; i < 3; i++) {
-    joint->mode[i] = d->mode[i];
-    joint->stiffness[i] = d->stiffness[i];
-    joint->rest[i] = d->kind == FB_JOINT_SPHERICAL ? FB_R(0.0) : d->rest[i];
-    joint->damping[i] = d->damping[i];
+    joint->mode[i] = d->mode[fbi_is_ball(d->kind) ? 0 : i];
     joint->friction[i] = d->friction[i];
     joint->friction_speed[i] = d->friction_speed[i];
     joint->stop_stiffness[i] = d->stop_stiffness[i];
@@ -28771,13 +28927,6 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
     joint->stop[i][0] = d->stop[i][0];
     joint->stop[i][1] = d->stop[i][1];
     joint->rubs |= d->friction[i] > FB_R(0.0) || d->stop_stiffness[i] > FB_R(0.0);
-  }
-  if (fbi_is_ball(d->kind)) {
-    for (int i = 1; i < 3; i++) {
-      joint->mode[i] = d->mode[0];
-      joint->stiffness[i] = d->stiffness[0];
-      joint->damping[i] = d->damping[0];
-    }
   }
 }
 
@@ -28790,7 +28939,7 @@ static void fbi_power_start(fb_system_work *w, const fb_system *system, const fb
     for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
       w->link[k].q_dot[a] = FB_R(1.0) / (fb_real)(1 + (7 * k + 3 * a) % 5);
     }
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 6; i++) {
       w->link[k].u[i] = FB_R(1.0) / (fb_real)(1 + (5 * k + 2 * i) % 3);
     }
   }
@@ -28969,6 +29118,7 @@ static void fbi_system_fill(fb_system *out, const fb_body *body, const fb_system
   for (int j = 0; j < desc->n_body + desc->n_loop; j++) {
     fbi_joint_fill(&out->joint[j], desc, body, j);
     out->rubs |= out->joint[j].rubs;
+    out->moored |= out->joint[j].moored > 0;
     if (j < desc->n_body && out->joint[j].moves) {
       out->coupled[out->joint[j].parent] = 1;
     }
@@ -32426,7 +32576,8 @@ static fb_status fbi_coordinates_find(fb_system_analyse_work *work, const fb_sys
       for (int i = 0; i < (mode ? model->n : joint->n_axis); i++) {
         const fbi_coordinate c = {k, mode, i};
         const int free = joint->kind == FB_JOINT_FREE, slides = fbi_axis_slides(joint, i) || (free && i < 3);
-        if (!mode && (state->mode[k][free ? 0 : i] != FB_AXIS_FREE || (free && trim))) {
+        if (!mode &&
+            (state->mode[k][free ? 0 : i] != FB_AXIS_FREE || (free && trim && !(joint->stiffness[i] > FB_R(0.0))))) {
           continue;
         }
         FBI_REQUIRE(work->n < FB_MAX_LINEAR / 2, FB_ERR_CAPACITY);
@@ -32769,7 +32920,15 @@ static fb_status fbi_roots_rest(const fbi_subject *s)
   fb_real torque = FB_R(0.0), w[3];
   for (int k = 0; k < s->system->n_body; k++) {
     const fb_real *const fg = work->system.link[k].k.fg;
+    const fb_joint *const joint = &s->system->joint[k];
     torque += fbi_vec3_norm(fg + 3) + length * fbi_vec3_norm(fg);
+    if (joint->moored) { /* of fg loads and springs are in balance */
+      fb_real value[6];
+      fbi_mooring_values(value, &work->system, &work->moved.link[k], k);
+      for (int i = 0; i < 6; i++) {
+        torque += (i < 3 ? length : FB_R(1.0)) * joint->stiffness[i] * FB_FABS(value[i] - joint->rest[i]);
+      }
+    }
   }
   for (int k = 0; k < s->system->n_body; k++) {
     const fbi_link_work *const L = &work->system.link[k];
@@ -33746,9 +33905,7 @@ static void fbi_momenta_steps(const fbi_subject *s, fb_real rate, fb_real other)
     const fbi_coordinate *const c = &work->coordinate[work->independent[j]];
     const fb_body *const model = fbi_model(s->system, s->body, c->body);
     const fb_joint *const joint = &s->system->joint[c->body];
-    const fb_real k = c->mode                        ? model->K.diagonal[c->i] / model->M.diagonal[c->i]
-                      : joint->kind == FB_JOINT_FREE ? FB_R(0.0)
-                                                     : joint->stiffness[fbi_is_ball(joint->kind) ? 0 : c->i];
+    const fb_real k = c->mode ? model->K.diagonal[c->i] / model->M.diagonal[c->i] : joint->stiffness[c->i];
     fb_real p[6], inertia;
     fbi_unit_momenta(p, s, c);
     inertia = c->mode ? work->moved.link[c->body].pi[c->i] : p[c->i];
@@ -34286,7 +34443,7 @@ static void fbi_loops_shape(fb_real *z, const fb_system_analyse_work *work)
 /* Does the motion of a system depend on the poses of its free joints? */
 static int fbi_system_pose_acts(const fb_system *system, const fb_body *body, const fb_system_input *input)
 {
-  int acts = 0;
+  int acts = system->moored;
   for (int k = 0; k < system->n_body; k++) {
     acts |= fbi_has(fbi_model(system, body, k)->effects, FB_EFFECT_GRAVITY);
   }

@@ -16,7 +16,7 @@
   X(line_parts) X(line_loads) X(line_refusals) \
   X(forms) X(integrate_forms) \
   X(integrate_limits) X(integrate_implicit) X(integrate_order) X(integrate_stepper) X(integrate_lines) \
-  X(system_trees) X(system_joints) X(system_loops) X(system_rows) X(system_steps) X(system_lines) X(system_machines) X(system_rotors) X(system_gravity) X(system_springs) X(system_friction) X(system_references) X(system_refusals) \
+  X(system_trees) X(system_joints) X(system_loops) X(system_rows) X(system_steps) X(system_lines) X(system_machines) X(system_rotors) X(system_gravity) X(system_springs) X(system_moorings) X(system_friction) X(system_references) X(system_refusals) \
   X(line_kinematics) X(line_statics) X(line_motion) \
   X(exact_statics) X(exact_motion) X(exact_joints) X(exact_branches) X(exact_flight) X(exact_spectrum) X(exact_linear) \
   X(analyse_body) X(analyse_rotors) X(analyse_steps) X(analyse_system) X(analyse_loops) X(analyse_lines) X(analyse_orbit) \

@@ -710,7 +710,7 @@ static void scene_falling(int *fall, const scene *s)
   for (int sweep = 0; sweep < s->n_body; sweep++) {
     for (int j = 0; j < n_joint; j++) {
       const fb_joint *const joint = &system->joint[j];
-      const int free = joint->kind == FB_JOINT_FREE && engine.system_state.mode[j][0] == FB_AXIS_FREE;
+      const int free = joint->kind == FB_JOINT_FREE && engine.system_state.mode[j][0] == FB_AXIS_FREE && !joint->moored;
       int *const child = &fall[j < system->n_body ? j : joint->child];
       int *const parent = joint->parent == FB_GROUND ? NULL : &fall[joint->parent];
       *child = *child && (free || (parent && *parent));

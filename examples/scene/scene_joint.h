@@ -170,12 +170,12 @@ static int scene_has_drive(const scene *s, int joint, int axis, scene_drive_kind
   return k < s->n_drive;
 }
 
-/* Numbers of the axes. */
-static void scene_read_axes(text_file *t, const scene_joint *joint, const char *word, fb_real x[3])
+/* Numbers of the axes, which are at most so many. */
+static void scene_read_axes(text_file *t, const scene_joint *joint, const char *word, fb_real *x, int most)
 {
-  const int axes = scene_axes(joint), n = axes == 3 || axes == 0 ? 1 : axes > 3 ? 0 : axes;
-  double value[3] = {0};
-  if (n == 0 || axes == 0) {
+  const int axes = scene_axes(joint), n = axes == 3 ? 1 : axes > most ? 0 : axes;
+  double value[6] = {0};
+  if (n == 0) {
     text_fail(t, "%s of a joint that has no axis for it", word);
     return;
   }
@@ -240,18 +240,18 @@ static void scene_read_joint_line(text_file *t, scene *s, const char *word)
     }
     d->pitch = (fb_real)text_number(t, word);
   } else if (strcmp(word, "stiffness") == 0) {
-    scene_read_axes(t, joint, word, d->stiffness);
+    scene_read_axes(t, joint, word, d->stiffness, 6);
   } else if (strcmp(word, "rest") == 0) {
     if (d->kind == FB_JOINT_SPHERICAL) {
       text_fail(t, "the spring of a spherical joint rests at zero: turn the joint by attitude");
     }
-    scene_read_axes(t, joint, word, d->rest);
+    scene_read_axes(t, joint, word, d->rest, 6);
   } else if (strcmp(word, "damping") == 0) {
-    scene_read_axes(t, joint, word, d->damping);
+    scene_read_axes(t, joint, word, d->damping, 6);
   } else if (strcmp(word, "friction") == 0) {
-    scene_read_axes(t, joint, word, d->friction);
+    scene_read_axes(t, joint, word, d->friction, 3);
   } else if (strcmp(word, "friction_speed") == 0) {
-    scene_read_axes(t, joint, word, d->friction_speed);
+    scene_read_axes(t, joint, word, d->friction_speed, 3);
   } else if (strcmp(word, "stops") == 0) {
     scene_read_stops(t, joint);
   } else if (strcmp(word, "mode") == 0) {

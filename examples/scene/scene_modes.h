@@ -70,7 +70,7 @@ static int modal_parts(modal_part *part, const scene *s, const modal_shape *z)
     const char *const name = plant.file.state[i].name, *const dot = strrchr(name, '.');
     const int bends = c >= modal_first(s, 0), length = bends && dot ? (int)(dot - name) : (int)strlen(name);
     int at = 0;
-    if (!one && !bends && engine.system.joint[b].kind == FB_JOINT_FREE) {
+    if (!one && !bends && engine.system.joint[b].kind == FB_JOINT_FREE && !engine.system.joint[b].moored) {
       continue;
     }
     while (at < n && (strlen(part[at].name) != (size_t)length || strncmp(part[at].name, name, (size_t)length) != 0)) {

@@ -61,7 +61,8 @@ static int modal_floats(const scene *s)
 {
   int floats = !scene_is_system(s) && !s->is_exact && plant.linear.n_free > 0;
   for (int b = 0; b < s->n_body && scene_is_system(s); b++) {
-    floats |= engine.system.joint[b].kind == FB_JOINT_FREE && engine.system_state.mode[b][0] == FB_AXIS_FREE;
+    floats |= engine.system.joint[b].kind == FB_JOINT_FREE && engine.system_state.mode[b][0] == FB_AXIS_FREE &&
+              !engine.system.joint[b].moored;
   }
   return floats;
 }

@@ -1159,6 +1159,16 @@ joint j free ground b
   position 1 0 0
 end
 END
+other 2 "stiffness, number 4 of 6 is missing" << END
+joint j free ground b
+  stiffness 1 2 3
+end
+END
+other 2 "friction of a joint that has no axis for it" << END
+joint j free ground b
+  friction 1 1 1 1 1 1
+end
+END
 other 2 "a free joint has no motors: use load" << END
 joint j free ground b
   motor 1 constant 1
