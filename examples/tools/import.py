@@ -3,6 +3,7 @@
 #   import.py MODEL.bdf MODES.op2 --out truss.txt                       grids and normal modes (SOL 103) of Nastran
 #   import.py --matrices K.mtx M.mtx --nodes nodes.csv --out truss.txt  matrices of any program; import.py solves for the modes
 #   import.py --matrices boom.pch --out boom.txt                        reduced ones, by Craig and Bampton: KAAX, MAAX and grids
+#   import.py --modal FLEX.txt --nodes NODES.txt --body 40,... --out b.txt  modal data without a mesh, flex files of 42
 # Wants NumPy and SciPy; for .bdf, .op2 and .op4 also pyNastran. Exit: 0 well, 1 the model cannot be imported, 2 bad options.
 import argparse
 import contextlib
@@ -27,6 +28,7 @@ try:
 except ImportError as missing:
     sys.exit('import.py: %s: python3 -m pip install numpy scipy' % missing)
 
+import flex42
 import import_report
 import matrix_files
 from matrix_files import Refused
@@ -47,6 +49,7 @@ class Model:
         self.K_G, self.modal_mass, self.digits, self.notes, self.static, self.reduced = [], None, 17, [], None, None
         self.pairs, self.exact, self.dropped = [], None, []  # nodes that are joined; number of modes that are not residual; frequencies
         self.losses = []  # marked nodes, their names, and the most that is left out of their static deflection
+        self.second = self.effects = None  # of modal data: integrals of second order, mode by mode and x y z; what they allow
 
     def find(self, node, what):
         if node not in self.at:
@@ -947,6 +950,82 @@ def spread(model, want):
     return points(S, max(model.ids) + 1)
 
 
+# ---- modal data without a mesh: the frame of the body and modal coordinates, as of reduced matrices
+
+
+def body_of(text):
+    """MASS,X,Y,Z,XX,YY,ZZ,XY,XZ,YZ: mass matrix of a rigid body about the origin."""
+    try:
+        mass, *center = (value := [float(word) for word in text.split(',')])[:4]
+        xx, yy, zz, xy, xz, yz = value[4:]
+    except ValueError:
+        raise Refused('--body: mass, mass center x y z and inertia about it xx yy zz xy xz yz are wanted, 10 numbers with commas between, not %r' % text)
+    return body_block(mass, np.array(center), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+
+
+def places_of(flex, options):
+    """Numbers and places of the nodes, then of the joints that --joint places, 1000 + their numbers, and the shapes there."""
+    x, joints = list(flex42.nodes(options.nodes)), flex.joints()
+    ids, shape = list(range(len(x))), [flex.shapes('', k) for k in range(len(x))]
+    for text in options.joint:
+        found = re.fullmatch(r'(\d+):([^,]+),([^,]+),([^,]+)', text)
+        try:
+            number, place = int(found[1]), [float(word) for word in found.groups()[1:]]
+        except (TypeError, ValueError):
+            raise Refused('--joint: NUMBER:X,Y,Z is wanted, not %r' % text)
+        if number not in joints or 1000 + number in ids:
+            raise Refused('--joint %s: %s has shapes at joints %s, each once' % (text, options.modal, ', '.join(map(str, joints)) or '(none)'))
+        ids.append(1000 + number)
+        x.append(place)
+        shape.append(flex.shapes('joint_', number))
+    return ids, x, np.array(shape).reshape(-1, flex.n), [k for k in joints if 1000 + k not in ids]
+
+
+def from_modal(options):
+    """The model of modal data, as of reduced matrices with one interface node at the origin that the modes do not move."""
+    flex = flex42.Flex(options.modal, MODES, len(flex42.nodes(options.nodes)))
+    ids, x, shape, lost = places_of(flex, options)
+    model, n, frame = Model([*ids, 2000], [*x, [0, 0, 0]]), flex.n, 6 * len(ids)
+    place = np.concatenate([frame + np.arange(6), 6 * len(model.ids) + np.arange(n)])
+    M = np.block([[body_of(options.body), np.vstack([flex.P, flex.H])], [np.hstack([flex.P.T, flex.H.T]), flex.M]])
+    dense_check(flex.K, ['mode %d' % k for k in range(n)], options.modal, 'stiffness')
+    dense_check(M, ['the body along x', 'y', 'z', 'about x', 'y', 'z', *('mode %d' % k for k in range(n))], options.modal,
+                'as no mass is: modes carry more than --body has')
+    mass, phi, _ = all_modes(flex.K, flex.M, [options.modal, options.modal])
+    phi = phi / np.sqrt(mass)
+    model.hz, model.exact = 1 / np.sqrt(mass) / (2 * np.pi), n
+    whole = np.vstack([np.zeros((6, n)), phi])
+    model.phi = np.vstack([shape @ phi, np.zeros((6, n))])
+    model.reduced, model.static = (place, M, whole), None
+    options.mark = options.mark or [str(node) for node in ids]
+    options.origin = options.origin or '0,0,0'
+    options.frame, options.matrices = [2000], [options.modal] * 3
+    model.notes.append('--body is taken for the whole body, its modes at rest')
+    if flex.start.any():
+        model.notes.append('the initial modal states are not taken: start_mode of a scene')
+    if lost:
+        model.notes.append('shapes at joints %s are not taken: the file has no places of joints, --joint %d:X,Y,Z has' % (', '.join(map(str, lost)), lost[0]))
+    model.second, model.effects = flex.second(options.modal), 'spin'
+    if model.second:
+        by = np.kron(phi, AXES)
+        model.second = model.second[0] @ by, by.T @ model.second[1] @ by
+    else:
+        model.effects = 'linear'
+        model.notes.append('without elements of both L and N the modes have no places of masses: effects linear, what 42 computes without second-order flex terms')
+    if flex.C is not None:
+        damped(model, M * 0 + np.pad(flex.C, ((6, 0), (6, 0))), whole, (2 * np.pi * model.hz)**2, np.eye(len(place), 6), options)
+    return model, None, None, None
+
+
+def modal_points(model, want):
+    """Points with the integrals of second order that the data have."""
+    cross, (L, N) = want[3:6, :3], model.second
+    S = np.zeros((4 + len(N), 4 + len(N)))
+    S[0, 0], S[0, 1:4], S[0, 4:] = want[0, 0], [cross[2, 1], cross[0, 2], cross[1, 0]], want[:3, 6:].T.ravel()
+    S[1:4, 1:4], S[1:4, 4:], S[4:, 4:] = np.trace(want[3:6, 3:6]) / 2 * AXES - want[3:6, 3:6], L, N
+    return points(np.triu(S) + np.triu(S, 1).T, max(model.ids) + 1)
+
+
 # ---- Nastran
 
 
@@ -1623,10 +1702,10 @@ def written(options, model, masses, lines, extra, marks, figures):
         raise Refused('%d nodes, a description holds %d: --condense puts at most %d points in place of all masses%s'
                       % (len(masses), NODES, 4 + 3 * len(model.hz), ' (not with --line: mesh it more coarsely)' if lines else ''))
     words = [word.split()[0] for word in options.word]
-    text = ['# From %s by import.py: %s' % (', '.join(os.path.basename(name) for name in options.files or options.matrices), figures),
+    text = ['# From %s by import.py: %s' % (', '.join(os.path.basename(name) for name in options.files or dict.fromkeys(options.matrices)), figures),
             *('# ' + note for note in model.notes), 'component', 'modes %d' % len(model.hz), 'frequency_hz ' + numbers(model.hz, model.digits)] + options.word
     more = [word for word in ('damping', 'gravity') if word in words]
-    level = 'full' if lines or model.K_G else 'spin'
+    level = model.effects or ('full' if lines or model.K_G else 'spin')
     if set((options.geometric or [])[:6]) == {'none'}:
         level = 'spin_coupling residual_inertia spin_stiffening'
     text += [' '.join(['effects', level] + more)] if 'effects' not in words else []
@@ -1643,7 +1722,7 @@ def written(options, model, masses, lines, extra, marks, figures):
 def masses_for(options, model, M, want):
     """The masses that are written, and how."""
     if model.reduced:
-        return spread(model, want), 'condensed'
+        return (modal_points if model.second else spread)(model, want), 'condensed'
     lumped, exact = lumps(model, M)
     masses = row_sums(model, M) if options.line and not exact else lumped
     real = [possible(at.J) for at in masses]  # the inertia of a bar about its axis alone is no body's
@@ -1673,7 +1752,7 @@ def modal_check(model, have, tolerance):
 def convert(options):
     """Text of the description, and what is told about it."""
     arrays.cache_clear()
-    model, M, basic, most = from_matrices(options) if options.matrices else from_nastran(options)
+    model, M, basic, most = from_modal(options) if options.modal else from_matrices(options) if options.matrices else from_nastran(options)
     arrays.cache_clear()
     left_out = 0 if options.frame else rigid_left_out(model)
     if options.modes and options.modes > len(model.hz) and not model.reduced:
@@ -1693,7 +1772,7 @@ def convert(options):
         geometric_check(options, model, M)
     elif not options.line:
         model.notes.append('no second-order data (%s): spinning or accelerated it does not stiffen, its frequencies at speed are too '
-                           'low, and it may seem unstable' % ('reduced matrices have none' if model.reduced else '--line, --geometric'))
+                           'low, and it may seem unstable' % ('modal data have none' if options.modal else 'reduced matrices have none' if model.reduced else '--line, --geometric'))
     want = momenta(model, M)
     size = np.ptp(model.x, axis=0).max()
     if model.reduced:  # one interface node has no extent
@@ -1744,7 +1823,7 @@ def report_of(options, model, want, marks, how, off):
     tables = [(head, rows)]
     if model.losses:
         tables.append((['node', 'static deflection left out'], [[called, '%.2g %%' % (100 * most)] for _, called, most in model.losses]))
-    files = options.files or options.matrices
+    files = options.files or list(dict.fromkeys(options.matrices))
     second = 'geometric stiffness, 12 loads' if model.K_G else 'stiffening by %d lines' % len(options.line) if options.line else 'none: spinning or accelerated it does not stiffen'
     figures = [('mass', '%.9g kg' % mass), ('center of mass', '%.6g %.6g %.6g m' % tuple(center)),
                ('inertia about it', 'xx %.6g, yy %.6g, zz %.6g, xy %.6g, xz %.6g, yz %.6g kg m^2' % (J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2])),
@@ -1770,6 +1849,9 @@ def options_of(arguments):
         '(Harwell-Boeing); FILE:NAME where it has several')
     add('--nodes', metavar='FILE', help='.csv: node,x,y,z,dofs of the rows of the matrices, in their order; dofs: some of 123456, or q of modal coordinates '
         '(101-120,,,,q); .asm, .bdf: grids of Nastran (of the .pch)')
+    add('--modal', metavar='FLEX.txt', help='modal data without a mesh, a flex file of 42: M, K, C, P, H, shapes at the nodes of its node file, --nodes')
+    add('--body', metavar='MASS,X,..', help='of modal data: mass, mass center x y z, inertia about it xx yy zz xy xz yz (elements of the tensor: 42 has the products with the other sign)')
+    add('--joint', action='append', default=[], metavar='N:X,Y,Z', help='of modal data: place of joint N, which becomes node 1000 + N')
     add('--out', required=True, metavar='FILE', help='the description')
     add('--modes', type=int, metavar='N', help='the lowest (all of an .op2; 6; of reduced matrices all, 24 at most)')
     add('--frame', default='', metavar='NODES', help='those of the interface: clamped (of reduced matrices the first node); of an .op2, checked to stand still')
@@ -1789,9 +1871,18 @@ def options_of(arguments):
     options = parser.parse_args(arguments)
     if options.matrices and not options.nodes and os.path.splitext(options.matrices[0].rsplit(':', 1)[0])[1].lower() in DECKS:
         options.nodes = options.matrices[0] if os.path.exists(options.matrices[0]) else options.matrices[0].rsplit(':', 1)[0]
+    if options.modal:
+        if options.files or options.matrices or not options.nodes or not options.body:
+            parser.error('--modal wants --nodes FILE and --body MASS,X,Y,Z,XX,YY,ZZ,XY,XZ,YZ, and no other model')
+        if options.line or options.geometric or options.condense or options.grounded or options.frame or options.modes or options.scale != '1,1' or options.mass:
+            parser.error('--modal: of its options --nodes, --body, --joint, --mark, --origin, --word, --report, --tolerance go with it')
+    elif options.body or options.joint:
+        parser.error('--body and --joint are of --modal')
     if len(options.matrices or []) > 3:
         parser.error('--matrices wants K M [C], or one file')
-    if bool(options.matrices) == bool(options.files) or len(options.files) not in (0, 2) or bool(options.matrices) != bool(options.nodes):
+    if options.modal:
+        pass
+    elif bool(options.matrices) == bool(options.files) or len(options.files) not in (0, 2) or bool(options.matrices) != bool(options.nodes):
         parser.error('wants MODEL.bdf MODES.op2, or --matrices K M --nodes FILE')
     options.frame = [node for node, _ in listed(options.frame, '--frame')] if options.frame else []
     try:
@@ -1805,7 +1896,7 @@ def options_of(arguments):
         parser.error('--line goes neither with --condense, as masses on lines stay where they are, nor with --geometric')
     if options.geometric and set(options.geometric) == {'none'}:
         parser.error('--geometric has no matrix')
-    read = [*options.files, *(options.matrices or []), options.nodes or '', options.mass or '', *(options.geometric or [])]
+    read = [*options.files, *(options.matrices or []), options.modal or '', options.nodes or '', options.mass or '', *(options.geometric or [])]
     for what, target in (('--out', options.out), ('--report', options.report)):
         if target and os.path.exists(target) and any(os.path.exists(name) and os.path.samefile(target, name) for name in read + [options.out] * (what == '--report')):
             parser.error('%s: that is what is %s' % (what, 'read' if what == '--out' else 'read or written'))
@@ -1831,13 +1922,13 @@ def main(arguments):
         print('import.py:', error, file=sys.stderr)
         return 1
     except MemoryError:
-        print('import.py: %s: too large for the memory of this machine' % ' '.join(options.matrices or options.files), file=sys.stderr)
+        print('import.py: %s: too large for the memory of this machine' % ' '.join(options.matrices or options.files or [options.modal]), file=sys.stderr)
         return 1
     except Exception as error:  # of a library, on what no check above has told
         at = error.__traceback__
         while at.tb_next and at.tb_next.tb_frame.f_code.co_filename == __file__:
             at = at.tb_next
-        print('import.py: %s: not understood, in %s: %s' % (' '.join(options.matrices or options.files), at.tb_frame.f_code.co_name, told(error)), file=sys.stderr)
+        print('import.py: %s: not understood, in %s: %s' % (' '.join(options.matrices or options.files or [options.modal]), at.tb_frame.f_code.co_name, told(error)), file=sys.stderr)
         return 1
     print('%s: %d modes, %.6g to %.6g Hz, %s' % (options.out, len(model.hz), model.hz[0], model.hz[-1], figures))
     for note in model.notes:
