@@ -2,7 +2,7 @@
 # Scenes from other languages: the shared library exports its functions alone and compiles without a warning, its header is C99 and
 # C++; the wheel is installed by pip, and the package holds what tests/checks/python.py says: the bits of the scene program, its linear
 # models and modes, saved states, refusals that name file, line and word, a thousand instances, threads, SciPy, the notebook. The same
-# curve by C, and by Rust and Octave where rustc and mkoctfile are there.
+# curve by C, and by Rust, Julia and Octave where rustc, julia and mkoctfile are there.
 . tests/checks/common.sh
 need gcc gcc
 python=
@@ -30,6 +30,10 @@ if command -v rustc > /dev/null; then
   try rustc -D warnings -L build/bindings -o "$out/first_curve_rs" $here/first_curve.rs
   LD_LIBRARY_PATH=build/bindings "$out/first_curve_rs" > "$out/rust.curve" || fail "first_curve.rs"
   languages="$languages, Rust"
+fi
+if command -v julia > /dev/null; then
+  julia $here/first_curve.jl > "$out/julia.curve" || fail "first_curve.jl"
+  languages="$languages, Julia"
 fi
 if command -v mkoctfile > /dev/null; then
   try mkoctfile --mex -I$here $here/octave/flexbeam_run.c -Lbuild/bindings -lflexbeam_scene -Wl,-rpath,"$library" -o "$out/flexbeam_run.mex"
