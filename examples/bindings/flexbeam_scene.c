@@ -14,12 +14,13 @@ typedef struct fmu_host {
 #ifdef __GNUC__
 #define FBS_API __attribute__((visibility("default")))
 #endif
+#include "../common/advice_out.h"
 #include "flexbeam_scene.h"
 
 struct fbs {
   fmu f;
   text_fault fault;
-  char *text, *advice;
+  char *text, *advice, *fields;
   fmu_saved *saved;
   struct scene_plant *linear; /* NULL: nobody asked for it */
   scene_mode *mode;
@@ -135,6 +136,7 @@ static void fbs_give(fbs *s)
   fbs_give_curves(s);
   free(s->text);
   free(s->advice);
+  free(s->fields);
   free(s->saved);
 }
 
@@ -715,17 +717,47 @@ static char *fbs_written(FILE *file)
   return text;
 }
 
+/* What a scene that has started chose, as JSON. */
+static void fbs_put_fields(FILE *file, const fmu_plant *p)
+{
+  const char *comma = "";
+  fprintf(file, "{\n  \"format\": \"flexbeam advice of a scene 1\",\n  \"flexbeam\": \"%s\",\n", FB_VERSION);
+  advice_put_units(file);
+  if (p->s.duration > 0) {
+    fprintf(file, "  \"integrator\": \"%s\",\n  ", p->s.is_exact ? "exact" : scene_integrators[p->moving.integrator]);
+    advice_put(file, "step", p->clock.taken);
+    fputs(",\n  ", file);
+    advice_put(file, "steps", p->clock.steps);
+    fprintf(file, ",\n  \"chosen\": %s,\n", p->s.step > 0 ? "false" : "true");
+  }
+  fputs("  \"warning\": ", file);
+  linear_quote(file, p->s.warning, 1);
+  fputs(",\n  \"bodies\": {", file);
+  for (int k = 0; k < p->s.n_body; k++) {
+    if (p->s.body[k].tolerance > 0) { /* it asks for advice */
+      fprintf(file, "%s\n    ", comma);
+      linear_quote(file, p->s.body[k].name, 1);
+      fputs(": {", file);
+      advice_put_json(file, &p->advice[k], p->s.body[k].shape.n, p->s.body[k].tolerance);
+      fputs("}", file);
+      comma = ",";
+    }
+  }
+  fputs("}\n}\n", file);
+}
+
 const char *fbs_advice(fbs *s)
 {
   fmu_plant *const p = &s->f.plant;
-  FILE *const talk = tmpfile();
+  FILE *const talk = tmpfile(), *const fields = tmpfile();
   fmu_answer answer = FMU_ERROR;
-  if (!talk) {
+  free(s->advice);
+  free(s->fields);
+  s->advice = s->fields = NULL;
+  if (!talk || !fields) {
     fbs_refuse(s, "", strerror(errno));
     return NULL;
   }
-  free(s->advice);
-  s->advice = NULL;
   p->made = 0; /* building is what tells */
   p->options.talk = p->options.warn = talk;
   answer = fbs_build(s);
@@ -736,8 +768,18 @@ const char *fbs_advice(fbs *s)
     fprintf(talk, "%s%s%ssteps of at most %.6g s, as the scene says\n", p->s.is_exact ? "" : "integrator ",
             p->s.is_exact ? "" : scene_integrators[p->moving.integrator], p->s.is_exact ? "" : ", ", p->s.step);
   }
-  s->advice = answer == FMU_OK ? fbs_written(talk) : NULL;
+  if (answer == FMU_OK) {
+    fbs_put_fields(fields, p);
+    s->fields = fbs_written(fields);
+    s->advice = fbs_written(talk);
+  }
+  fclose(fields);
   fclose(talk);
   (void)fbs_told(s, answer);
   return s->advice;
+}
+
+const char *fbs_advice_json(const fbs *s)
+{
+  return s->fields;
 }

@@ -122,6 +122,8 @@ FBS_API int fbs_matrix(fbs *s, int matrix, double *to, size_t n);
 
 /* Effects, modes, integrator and step as the scene chooses them, what may be wrong; NULL: it has no start. */
 FBS_API const char *fbs_advice(fbs *s);
+/* What that told last as JSON, a field for each number, with units: integrator, step, steps, bodies by name; NULL: nothing. */
+FBS_API const char *fbs_advice_json(const fbs *s);
 
 #ifdef __cplusplus
 }

@@ -53,8 +53,8 @@ typedef struct fmu_plant { /* large, but for what the scene has not: that stays 
   double step;           /* the start value of settings.step */
   scene_options options; /* no files, no talk, where nobody asks */
   scene_run_state run;
-  double spin, acceleration; /* of `automatic`, and.. */
-  fb_advice advice;          /* ..that of its first body, as they were built */
+  double spin, acceleration;       /* of `automatic`, and.. */
+  fb_advice advice[FB_MAX_BODIES]; /* ..that of its bodies, as they were built */
   fmu_scene_input input[FMU_SCENE_INPUTS];
   int n_input, n_variable;
   fmu_variable variable[FMU_SCENE_VARIABLES];
@@ -437,7 +437,7 @@ static fmu_answer fmu_scene_make(fmu_plant *p, const double *parameter, double s
   }
   p->spin = automatic.spin;
   p->acceleration = automatic.acceleration;
-  p->advice = automatic.advice[0];
+  memcpy(p->advice, automatic.advice, sizeof p->advice);
   for (int k = 0; k < p->s.n_parameter; k++) {
     p->built[k] = parameter[k];
   }
@@ -559,7 +559,7 @@ static fmu_answer fmu_scene_begin(fmu_plant *p, fmu_text text)
     fmu_scene_wait();
     automatic.spin = p->spin;
     automatic.acceleration = p->acceleration;
-    automatic.advice[0] = p->advice;
+    memcpy(automatic.advice, p->advice, sizeof p->advice);
     scene_choose(s);
     fmu_scene_done();
   }

@@ -8,6 +8,7 @@
 #define PROGRAM "advise"
 #include "config.h"
 #include "envelope.h"
+#include "../common/advice_out.h"
 #include "../common/options.h"
 #include "words.h"
 #include "../common/output.h"
@@ -36,6 +37,7 @@ static const char help[] =
     "  --frame T             [s] period of a controller, of which the step is a whole part (0: any step)\n"
     "  --node N              whose displacement is wanted (the last)\n"
     "  --tolerance P,P,...   errors allowed, percent of the largest displacement, at most 6 (10,1,0.1)\n"
+    "  --json FILE           the advice as named fields, too\n"
     "simulation:\n"
     "  --simulate            looks for the cheapest set by simulating the scene: spin-up, then spin; forces, torques\n"
     "                        and acceleration as a sine, a jump, or steady after a smooth rise\n"
@@ -47,7 +49,7 @@ static const char help[] =
 #define TOLERANCES 6
 
 typedef struct options {
-  const char *out;
+  const char *out, *json;
   int base, n_mode, has_gravity, has_frequency, simulate, n_tolerance, n_motor;
   double modes[FB_KIND_COUNT], gravity[3], frame, node, trials, tolerance[TOLERANCES];
   scene scene;
@@ -164,6 +166,10 @@ static int read_option(void *to, const char *name, const char *text)
   }
   if (strcmp(name, "--tolerance") == 0) {
     return read_tolerances(o, text);
+  }
+  if (strcmp(name, "--json") == 0) {
+    o->json = text;
+    return 0;
   }
   return strcmp(name, "--out") == 0 ? read_out(&o->out, text)
                                     : read_number(list, (int)(sizeof list / sizeof *list), name, text);
@@ -745,6 +751,28 @@ static int simulate(const options *o, fb_envelope e, const fb_advice *advised)
   return status;
 }
 
+/* What is advised for each tolerance, and what was found by simulation in its place, as fields. */
+static int write_fields(const options *o, const char *file, const fb_advice *advice)
+{
+  FILE *const out = output_open(o->json);
+  if (!out) {
+    return fail("cannot write", o->json);
+  }
+  fprintf(out, "{\n  \"format\": \"flexbeam advice 1\",\n  \"flexbeam\": \"%s\",\n  \"body\": ", FB_VERSION);
+  linear_quote(out, file, 1);
+  fprintf(out, ",\n  \"node\": %d,\n", o->scene.node);
+  advice_put_units(out);
+  fputs("  \"advice\": [", out);
+  for (int k = 0; k < o->n_tolerance; k++) {
+    const int simulated = found[k].n > 0;
+    fprintf(out, "%s\n    {\"simulated\": %s, ", k ? "," : "", simulated ? "true" : "false");
+    advice_put_json(out, simulated ? &found[k] : &advice[k], model_shape.n, 0.01 * o->tolerance[k]);
+    fputs("}", out);
+  }
+  fputs("]\n}\n", out);
+  return output_close(out, o->json) ? 2 : 0;
+}
+
 /* ---- main */
 
 /* Samples: a whole part of the duration, or whole frames. */
@@ -824,6 +852,9 @@ int advise_main(int argc, char **argv)
   print_table(&o, advice);
   print_parts(&o, advice);
   bad = o.simulate ? simulate(&o, e, advice) : 0;
+  if (o.json && write_fields(&o, file, advice)) {
+    return 2;
+  }
   for (int k = 0; k < o.n_tolerance && status == FB_OK; k++) {
     const int simulated = found[k].n > 0;
     const fb_advice *const a = simulated ? &found[k] : &advice[k];

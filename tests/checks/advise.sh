@@ -39,6 +39,28 @@ esac
 try ${CC:-cc} $c99 -O1 -DLINES="\"$out/lines.h\"" -DWORK=$work -o "$out/lines" tests/checks/advise.c -lm
 try "$out/lines"
 
+# --json: the table as fields
+need python3 python3
+try build/flexbeam advise examples/blade.txt --spin 1.267 --force 1,0,2000,5000 --frequency 0.2 --tolerance 10,5 --json "$out/advice.json"
+mv "$out/log" "$out/table"
+try python3 - "$out/advice.json" "$out/table" << 'END'
+import json
+import re
+import sys
+
+told = json.load(open(sys.argv[1]))
+row = re.compile(r' *(\S+) % +(\S+) +(.*?) +(rk4|midpoint|sdirk|exponential) +(\S+) +(\S+) ')
+rows = [found.groups() for found in map(row.match, open(sys.argv[2])) if found]
+letter = {'residual_inertia': 'R', 'spin_coupling': 'C'}
+have = [('%g' % (100 * one['tolerance']), ''.join(letter.get(word, word[0].upper()) for word in one['effects']), len(one['modes']), one['integrator'],
+         '%.3g' % one['step'], '%.1e' % one['cost']) for one in told['advice']]
+want = [(*one[:2], sum(map(int, re.findall(r'\b\d+\b', one[2]))), *one[3:]) for one in rows]
+if len(want) != 2 or [(a, sorted(b), *c) for a, b, *c in have] != [(a, sorted(b), *c) for a, b, *c in want]:
+    sys.exit('%s is not %s' % (have, want))
+if told['units']['step'] != 's' or any(one['simulated'] or not one['error']['all'] <= one['tolerance'] for one in told['advice']):
+    sys.exit(str(told))
+END
+
 # large deflection: the line of modes has the points that they want, and a body takes it
 try build/flexbeam advise examples/boom.txt --base prescribed --force 1,0,0,200 --frequency 0.05
 sed -n '/^1 %: [A-Z]/,/^$/p' "$out/log" > "$out/advice"

@@ -342,6 +342,13 @@ def check_builder():
     text = Scene(scenes / "spinup_auto.txt").advise()
     told = tool("scene", scenes / "spinup_auto.txt").stdout
     want(text and told.startswith(text), f"advice is not what the scene program tells: {text}")
+    want((one.advise().integrator, one.advise().step, one.advise().chosen, one.advise().bodies) == ("rk4", 1e-3, False, {}), "advice as fields, of none")
+    beam, lines = text.bodies["beam"], told.splitlines()
+    want(lines[0] == f"beam: {len(beam['modes'])} of {beam['modes_there']} modes, effects: {' '.join(beam['effects'])}", "advice as fields: modes, effects")
+    want(lines[1].startswith(f"  estimated error {100 * beam['error']['all']:.2g} % of {beam['deflection']:.3g} m, allowed {100 * beam['tolerance']:.2g} %"), "advice as fields: error")
+    want(all(f"{name}: {100 * value:.2g} %" in lines[1] for name, value in beam["without"].items()), "advice as fields: what is left out")
+    want(lines[2] == f"integrator {text.integrator}, step at most {text.step:.3g} s, {text.steps:.10g} steps", "advice as fields: step")
+    want(text.units["step"] == "s" and text.units["deflection"] == "m" and text.chosen and not text.warning, "advice as fields: units")
 
 
 def check_instances():

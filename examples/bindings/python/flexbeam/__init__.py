@@ -6,7 +6,7 @@
 """
 from ._library import version as __version__
 from .description import Description
-from .results import Campbell, Linear, Modes, Run
+from .results import Advice, Campbell, Linear, Modes, Run
 from .scene import FlexbeamError, Scene, StepRefused
 
-__all__ = ["Campbell", "Description", "FlexbeamError", "Linear", "Modes", "Run", "Scene", "StepRefused"]
+__all__ = ["Advice", "Campbell", "Description", "FlexbeamError", "Linear", "Modes", "Run", "Scene", "StepRefused"]

@@ -40,6 +40,7 @@ _FUNCTIONS = {  # name: (what it returns, what it takes)
     "campbell": (c_int, [c_void_p, c_char_p, c_double, c_double, c_int]),
     "matrix": (c_int, [c_void_p, c_int, _DOUBLES, c_size_t]),
     "advice": (c_char_p, [c_void_p]),
+    "advice_json": (c_char_p, [c_void_p]),
 }
 
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Optional
 
 import numpy as np
 
@@ -68,6 +69,30 @@ class Modes:
 
     def __len__(self) -> int:
         return len(self.what)
+
+
+class Advice(str):
+    """What a scene chooses: the text, and its numbers as fields of `.fields`, those of the scene also as attributes.
+
+    >>> advice = scene.advise()
+    >>> advice.integrator, advice.step, advice.steps, advice.units["step"]
+    >>> advice.bodies["beam"]["modes"], advice.bodies["beam"]["error"]["modes"]
+    """
+
+    integrator: Optional[str]  # None, as the next two: a scene without duration
+    step: Optional[float]  # [s] the longest
+    steps: Optional[float]  # of the run
+    chosen: Optional[bool]  # False: the scene gives the step
+    warning: str  # the first; empty: none
+    bodies: dict[str, dict]  # those that ask for advice: tolerance, effects, modes, step, deflection, error, without, ..
+    units: dict[str, str]
+
+    def __new__(cls, text: str, fields: dict) -> "Advice":
+        self = super().__new__(cls, text)
+        self.fields = fields
+        for name in cls.__annotations__:
+            setattr(self, name, fields.get(name))
+        return self
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import ctypes
+import json
 import os
 import threading
 from collections.abc import Iterable, Mapping
@@ -11,7 +12,7 @@ import numpy as np
 
 from . import _library as c
 from .description import Description
-from .results import Campbell, Linear, Modes, Run
+from .results import Advice, Campbell, Linear, Modes, Run
 
 CHUNK = 256  # rows of a call, between which Python takes signals
 
@@ -284,9 +285,9 @@ class Scene:
             table = self._matrix(c.CURVE_VALUES, n, 2 + 2 * len(names))
         return Campbell(parameter, *table[:, :2].T.copy(), names, table[:, 2::2].copy(), table[:, 3::2].copy())
 
-    def advise(self) -> str:
+    def advise(self) -> Advice:
         """What the scene chooses where it leaves the choice: effects, modes, integrator, step; what may be wrong."""
         with self._lock:
             text = c.library.advice(self._scene)
             self._check(3 if text is None else 0)
-            return text.decode()
+            return Advice(text.decode(), json.loads(c.library.advice_json(self._scene)))
