@@ -68,9 +68,9 @@ static int scene_code_motor(const scene *s)
   return line;
 }
 
-/* Bits of the nodes, by body, in a list BODY.NODE,BODY.NODE; BODY alone is its origin, whose load is an input anyway.
+/* The nodes, by body, in a list BODY.NODE,BODY.NODE; BODY alone is its origin, whose load is an input anyway.
    0: it has been said which is none. */
-static int scene_code_nodes(scene *s, unsigned nodes[FB_MAX_BODIES], const char *option, const char *list)
+static int scene_code_nodes(scene *s, node_set nodes[FB_MAX_BODIES], const char *option, const char *list)
 {
   for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL) {
     const int n = (int)strcspn(at, ",");
@@ -85,19 +85,19 @@ static int scene_code_nodes(scene *s, unsigned nodes[FB_MAX_BODIES], const char 
     if (body < s->n_body && at[n - 1] != '.') {
       node = *part ? scene_find_node(&s->body[body], part) : 0;
     }
-    if (node < 0 || nodes[body] >> node & 1u) {
+    if (node < 0 || node_is_in(&nodes[body], node)) {
       scene_code_no_node(s, option, name, part, body, node);
       return 0;
     }
-    nodes[body] |= 1u << node;
+    node_put(&nodes[body], node);
   }
   return 1;
 }
 
 /* How many lines load nodes that are no inputs yet, which `list` then names. */
-static int scene_code_loads(char list[TEXT_MESSAGE], const scene *s, const unsigned loads[FB_MAX_BODIES])
+static int scene_code_loads(char list[TEXT_MESSAGE], const scene *s, const node_set loads[FB_MAX_BODIES])
 {
-  unsigned told[FB_MAX_BODIES];
+  node_set told[FB_MAX_BODIES];
   int n = 0;
   memcpy(told, loads, sizeof told);
   list[0] = '\0';
@@ -105,10 +105,10 @@ static int scene_code_loads(char list[TEXT_MESSAGE], const scene *s, const unsig
     const int body = s->load[k].body, node = s->load[k].node;
     const char *const name = s->body[body].node_name[node];
     const size_t at = strlen(list);
-    if (told[body] >> node & 1u) {
+    if (node_is_in(&told[body], node)) {
       continue;
     }
-    told[body] |= 1u << node;
+    node_put(&told[body], node);
     n++;
     if (node == 0 || name[0]) {
       snprintf(list + at, TEXT_MESSAGE - at, "%s%s%s%s", at > 0 ? "," : "", s->body[body].name, node > 0 ? "." : "",
@@ -122,7 +122,7 @@ static int scene_code_loads(char list[TEXT_MESSAGE], const scene *s, const unsig
 
 /* What of a scene is neither body nor joint, and would be missing in the step: refused, all of it at once. Loads at
    nodes that --loads names are inputs. */
-static int scene_code_refused(scene *s, const char *option, const unsigned loads[FB_MAX_BODIES])
+static int scene_code_refused(scene *s, const char *option, const node_set loads[FB_MAX_BODIES])
 {
   char all[TEXT_MESSAGE] = "", list[TEXT_MESSAGE], load[TEXT_MESSAGE + 80];
   const int n_load = scene_code_loads(list, s, loads);
@@ -218,7 +218,7 @@ static int scene_code_trace(FILE *out, const tree_choice *choice, const char *co
 }
 
 /* The rates with their Jacobian; 1, or 0 with why not in text. */
-static int scene_code_derive(FILE *out, const tree_choice *choice, const unsigned sensors[FB_MAX_BODIES],
+static int scene_code_derive(FILE *out, const tree_choice *choice, const node_set sensors[FB_MAX_BODIES],
                              const char *const *names, char text[400])
 {
   const trace_choice what = {.name = choice->name,
@@ -242,9 +242,9 @@ static int scene_write_code(scene *s, const scene_code *c)
   static const scene_options nothing;
   const char *const option = c->jacobian ? "--jacobian" : "--code", *names[FB_MAX_BODIES];
   char name[64], text[400] = "";
-  unsigned sensors[FB_MAX_BODIES] = {0};
-  tree_choice choice = {name, c->single, c->lanes, s->integrator == FB_INTEGRATOR_SDIRK, &engine.system_state,
-                        {0},  {0}};
+  node_set sensors[FB_MAX_BODIES] = {{{0}}};
+  tree_choice choice = {name,    c->single, c->lanes, s->integrator == FB_INTEGRATOR_SDIRK, &engine.system_state,
+                        {{{0}}}, {0}};
   FILE *out;
   fb_status status;
   int good;

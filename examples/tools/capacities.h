@@ -3,7 +3,7 @@
 #ifndef CAPACITIES_H
 #define CAPACITIES_H
 #define FB_MAX_MODES 24
-#define FB_MAX_NODES 32 /* bits of a word, for the code that is written */
+#define FB_MAX_NODES 65 /* the frame and 64 more; at most NODE_SET of trace.h, for the code that is written */
 #define FB_MAX_LOADS 64
 #define FB_MAX_ELEMENTS 40
 #define FB_MAX_STATIONS 200

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+typedef char node_sets_hold_all_nodes[FB_MAX_NODES <= NODE_SET ? 1 : -1];
+
 enum { CODE_PREFIX = 200 };
 
 enum { CODE_ONE, CODE_LANES, CODE_WIDE }; /* types of one model; of several, by lanes; of their step by vectors */

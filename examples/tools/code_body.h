@@ -19,7 +19,7 @@ enum {
 typedef struct code_choice { /* what is to be written */
   const char *name;
   int single, vary, lanes, places;
-  unsigned loads; /* bits of the nodes that have a load */
+  node_set loads; /* the nodes that have a load */
 } code_choice;
 
 static const struct code_parameter {
@@ -145,7 +145,7 @@ static void code_write_body_types(const code *w)
   code_member(w, 2, "rotor_motor", rotors,
               "[N m] on each rotor, and reversed on the body; where given: its momentum [N m s]");
   for (int k = 0; k < FB_MAX_NODES; k++) {
-    if (code_body.choice->loads >> k & 1u) {
+    if (node_is_in(&code_body.choice->loads, k)) {
       fprintf(w->out, "  %s force_%d[3], torque_%d[3]; /* [N], [N m] at node %d, body axes */\n", code_real(w), k, k,
               k);
     }

@@ -19,7 +19,7 @@ typedef struct tree_choice { /* what is to be written */
   int single, lanes; /* lanes: 1, or TREE_LANES_ALONE: nothing but them, for a program that loads it, without loads */
   int implicit;      /* 1: the step of SDIRK in place of that of rk4 */
   const fb_system_state *start;        /* where NAME_start puts it, NULL: at zero coordinates, at rest */
-  unsigned loads[FB_MAX_BODIES];       /* bits of the nodes that have a load, of each body; that of O says nothing */
+  node_set loads[FB_MAX_BODIES];       /* the nodes that have a load, of each body; O says nothing */
   unsigned char pulls[FB_MAX_SPRINGS]; /* 1: the spring between points has an actuator */
 } tree_choice;
 
@@ -116,7 +116,7 @@ static int tree_input_size(int k, int m)
   const int size[TREE_AT_NODES] = {acts, acts, tree_momenta_of(L), valued, driven, L->model->n_rotor};
   if (m >= TREE_AT_NODES) { /* force and torque of each node but O */
     const int node = (m - TREE_AT_NODES) / 2;
-    return k < tree.n && node > 0 && tree.choice->loads[k] >> node & 1u ? 3 : 0;
+    return k < tree.n && node > 0 && node_is_in(&tree.choice->loads[k], node) ? 3 : 0;
   }
   return k < tree.n || m == TREE_VALUE || m == TREE_RATE ? size[m] : 0;
 }

@@ -35,7 +35,8 @@ from matrix_files import Refused
 
 MODES, NODES = 24, 4096  # what a description holds
 FIRST, LAST = 0, 2000000000  # numbers of nodes
-MARKS = 11  # nodes of a body of a scene beside its frame; reduce and analyse hold 7
+MARKS = 64  # nodes of a body beside its frame
+FEW = 12  # nodes of matrices that are reduced without modal coordinates, at most
 SMALL = 1e-9  # what counts as zero beside the largest
 AXES = np.eye(3)
 
@@ -600,7 +601,7 @@ def from_matrices(options):
         if name and name != C_name:
             model.notes.append('%s is not taken: %s' % (name, what))
     matrices, place = placed(table, files, options)
-    few = len(np.unique(place // 6)) <= MARKS + 1  # statically reduced, without modal coordinates
+    few = len(np.unique(place // 6)) <= FEW  # statically reduced, without modal coordinates
     if np.any(place >= 6 * len(model.ids)) or few and K_name.rsplit(':', 1)[-1].upper() in ('KAAX', 'KAA', 'KXX', 'STIFFNESS'):
         return reduced(model, matrices, place, table, options, most)
     if C_name:
@@ -1790,6 +1791,8 @@ def convert(options):
         raise Refused('masses %s: the %s would be off by %.2g: a finer mesh%s, or --tolerance %.2g'
                       % (how, worst, off[worst], ', no --line' if options.line else ', --condense' if how == 'lumped' else '', 1.1 * off[worst]))
     marks = [mark for text in options.mark for mark in listed(text, '--mark', getattr(model, 'sets', None))]
+    if len(marks) > MARKS:
+        raise Refused('--mark: %d nodes, a body holds %d' % (len(marks), MARKS))
     for k, (node, _) in enumerate(marks):
         model.find(node, '--mark')
         if node in [other for other, _ in marks[:k]]:
@@ -1797,8 +1800,6 @@ def convert(options):
     for k, (node, name) in enumerate(marks):
         if name and name in [other for _, other in marks[:k]]:
             raise Refused('--mark: two nodes have the name %s' % name)
-    if len(marks) > MARKS:
-        raise Refused('--mark: %d nodes, a body of a scene holds %d, one of reduce and analyse 7' % (len(marks), MARKS))
     effective(model, want)
     static_loss(model, marks)
     lines, extra = lines_of(model, options.line, masses) if options.line else ([], extremes(model))

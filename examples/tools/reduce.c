@@ -163,7 +163,7 @@ static const char *load_refusal(char text[TEXT_MESSAGE], const char *name, int n
 }
 
 /* Nodes by names or numbers in a list with commas, of an option; 0: it has been said which is none. */
-static int read_nodes(unsigned *nodes, const char *option, const char *list, int origin)
+static int read_nodes(node_set *nodes, const char *option, const char *list, int origin)
 {
   for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL) {
     char name[TEXT_NAME], text[TEXT_MESSAGE];
@@ -173,13 +173,13 @@ static int read_nodes(unsigned *nodes, const char *option, const char *list, int
     snprintf(name, sizeof name, "%.*s", (int)strcspn(at, ","), at);
     node = name[0] ? model_find_node(&namesakes, name) : -1;
     what = node == 0 && !origin ? "the load on the origin is an input anyway; leave it out"
-                                : load_refusal(text, name, node, namesakes, node >= 0 && *nodes >> node & 1u);
+                                : load_refusal(text, name, node, namesakes, node >= 0 && node_is_in(nodes, node));
     if (what) {
       snprintf(all, sizeof all, "%s: %s", option, what);
       fail(all, name);
       return 0;
     }
-    *nodes |= 1u << node;
+    node_put(nodes, node);
   }
   return 1;
 }
@@ -227,14 +227,14 @@ static const char *node_name(int body, int node)
 }
 
 /* Writes the rates with their Jacobian; 0, or 1: it has been said why not. */
-static int write_jacobian(FILE *out, const options *o, const char *file, unsigned sensors)
+static int write_jacobian(FILE *out, const options *o, const char *file, const node_set *sensors)
 {
   const trace_choice choice = {.name = o->choice.name,
                                .file = file,
                                .single = o->choice.single,
                                .vary = o->choice.vary,
                                .loads = &o->choice.loads,
-                               .sensors = &sensors,
+                               .sensors = sensors,
                                .node_name = node_name};
   const trace_model of = {&model_body, NULL, NULL, sizeof model_body, 0, 0, 1};
   char text[400];
@@ -251,8 +251,8 @@ int reduce_main(int argc, char **argv)
   const int lanes = take_flag(&argc, argv, "--lanes"), jacobian = take_flag(&argc, argv, "--jacobian");
   const int named = argc > 1 && argv[1][0] != '-';
   const char *const file = named ? argv[1] : "", *what;
-  options o = {NULL, NULL, NULL, {NULL, 0, 0, 0, 0, 0}};
-  unsigned sensors = 0;
+  options o = {NULL, NULL, NULL, {NULL, 0, 0, 0, 0, {{0}}}};
+  node_set sensors = {{0}};
   FILE *out = stdout;
   fb_status status;
   output_begin(PROGRAM);
@@ -309,7 +309,7 @@ int reduce_main(int argc, char **argv)
     return 2;
   }
   if (jacobian || steps) {
-    if (jacobian ? write_jacobian(out, &o, file, sensors) : write_steps(out, &o, file)) {
+    if (jacobian ? write_jacobian(out, &o, file, &sensors) : write_steps(out, &o, file)) {
       if (o.out) {
         output_drop(out, o.out);
       }

@@ -840,7 +840,9 @@ int main(int argc, char **argv)
     choice.lanes |= strcmp(argv[k], "--lanes") == 0;
   }
   for (int k = 0; k < desc.n_body; k++) { /* at the tip, of a rigid body at another place */
-    choice.loads[k] = acts && !is_wheel(k) ? 1u << 1 : 0u;
+    if (acts && !is_wheel(k)) {
+      node_put(&choice.loads[k], 1);
+    }
   }
   memcpy(choice.pulls, pulls, sizeof pulls);
   return write_step(&choice, names);

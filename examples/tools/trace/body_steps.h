@@ -75,7 +75,7 @@ struct body_function : subject {
   void add_input(const trace_choice *choice, fb_input &in, const std::string &to)
   {
     for (int k = 0; k < body.n_node; k++) {
-      if (k == 0 ? body.base == FB_BASE_PRESCRIBED : !(choice->loads[0] >> k & 1u)) {
+      if (k == 0 ? body.base == FB_BASE_PRESCRIBED : !node_is_in(&choice->loads[0], k)) {
         continue;
       }
       fb_load *const load = &in.load[in.n_load++];

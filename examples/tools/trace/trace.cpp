@@ -86,14 +86,14 @@ struct single_body : subject {
     add(state, now.pi, body.n_coordinate, "pi");
     for (int k = 0; k < body.n_node; k++) {
       const std::string name = node_text(choice, 0, k);
-      if (k == 0 || choice->loads[0] >> k & 1u) {
+      if (k == 0 || node_is_in(&choice->loads[0], k)) {
         fb_load *const load = &acts.load[acts.n_load++];
         load->node = k;
         load->axes = FB_AXES_BODY;
         add(input, load->force, 3, name + ".force");
         add(input, load->torque, 3, name + ".torque");
       }
-      if (choice->sensors[0] >> k & 1u) {
+      if (node_is_in(&choice->sensors[0], k)) {
         node.push_back(k);
         sensor.push_back(name);
       }
@@ -221,7 +221,7 @@ struct tree : subject {
     add(state, link.pi, own.n_coordinate, name + ".pi");
     for (int node = 0; node < own.n_node; node++) {
       const std::string at = node_text(choice, k, node);
-      if (choice->loads[k] >> node & 1u) {
+      if (node_is_in(&choice->loads[k], node)) {
         fb_system_load *const load = &acts.load[acts.n_load++];
         load->body = k;
         load->load.node = node;
@@ -229,7 +229,7 @@ struct tree : subject {
         add(input, load->load.force, 3, at + ".force");
         add(input, load->load.torque, 3, at + ".torque");
       }
-      if (choice->sensors[k] >> node & 1u) {
+      if (node_is_in(&choice->sensors[k], node)) {
         place.push_back({k, node});
         sensor.push_back(at);
       }

@@ -9,6 +9,23 @@
 extern "C" {
 #endif
 
+/* Nodes of a body. */
+enum { NODE_SET = 96 };
+
+typedef struct node_set {
+  unsigned bits[NODE_SET / 32];
+} node_set;
+
+static inline int node_is_in(const node_set *s, int node)
+{
+  return (int)(s->bits[node / 32] >> node % 32 & 1u);
+}
+
+static inline void node_put(node_set *s, int node)
+{
+  s->bits[node / 32] |= 1u << node % 32;
+}
+
 /* Numbers of bodies on joints that are places of a table, model->k: where they stand in memory, the bodies one behind the other,
    then the system. */
 typedef struct trace_table {
@@ -21,7 +38,7 @@ typedef struct trace_choice {
   const char *name, *file; /* prefix of all names; what the model is from */
   int single;              /* 1: float */
   int vary; /* bits: factors of stiffness, damping ratios, mass, hub_mass, hub_inertia (fb_body_factors) vary */
-  const unsigned *loads, *sensors;              /* bits of nodes, by body */
+  const node_set *loads, *sensors;              /* by body */
   const char *const *body;                      /* names; of a single body NULL */
   const char *(*node_name)(int body, int node); /* "": none */
   const unsigned char *pulls;                   /* 1: the spring of that number has an actuator */

@@ -235,7 +235,7 @@ struct tree_function : subject {
       const fb_joint &joint = tree.system.joint[k];
       const fb_body &own = tree.of(k);
       for (int at = 0; at < own.n_node; at++) {
-        if (!choice->table && (at == 0 || choice->loads[k] >> at & 1u)) {
+        if (!choice->table && (at == 0 || node_is_in(&choice->loads[k], at))) {
           fb_system_load *const load = &in.load[in.n_load++];
           const std::string name = at > 0 ? "_" + std::to_string(at) : "";
           load->body = k;
