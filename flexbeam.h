@@ -3584,8 +3584,9 @@ struct fb_advice_work {
           stack of a call. Implicit steps: a fast prescribed base that begins to turn does not end in
           FB_ERR_CONVERGENCE.
           FB_MAX_RUNS is gone, FB_MAX_S is room for the terms of S alone; models in ROM are to be made anew.
-          Systems: friction and stops of joints (fb_joint_desc.friction, friction_speed, stop, stop_stiffness,
-          stop_loss). FB_METHOD_MULTIPLIERS is gone: write joints as loops of free bodies. A wheel is fb_rotor: one that
+          Systems: springs and dampers of free joints (fb_joint_desc.stiffness, rest, damping have six numbers); friction
+          and stops of joints (fb_joint_desc.friction, friction_speed, stop, stop_stiffness, stop_loss).
+          FB_METHOD_MULTIPLIERS is gone: write joints as loops of free bodies. A wheel is fb_rotor: one that
           is a body on a hinge bounds the step by its speed, as every joint does. Refused are prescribed values that
           jump, prescribed rates that contradict a closed loop from 1e-6 of its speeds on (was a hundredth; generated
           code the same), and by fb_system_trim a prescribed axis that moves and changes the equilibrium. Loops at rest
