@@ -24,12 +24,12 @@ try:
     import scipy.io
     import scipy.sparse as sparse
     from scipy import fft, linalg
-    from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh, splu
 except ImportError as missing:
     sys.exit('import.py: %s: python3 -m pip install numpy scipy' % missing)
 
 import flex42
 import import_report
+import large
 import matrix_files
 from matrix_files import Refused
 
@@ -37,8 +37,10 @@ MODES, NODES = 24, 4096  # what a description holds
 FIRST, LAST = 0, 2000000000  # numbers of nodes
 MARKS = 64  # nodes of a body beside its frame
 FEW = 12  # nodes of matrices that are reduced without modal coordinates, at most
+LARGE = 30000  # rows, from which on scikit-sparse is named
 SMALL = 1e-9  # what counts as zero beside the largest
 AXES = np.eye(3)
+progress = large.Progress()
 
 
 class Model:
@@ -234,6 +236,7 @@ def labelled(text, most):
     """That matrix, and the labels of its rows, or None."""
     text = named(text, most)
     path, name = (text, '') if os.path.exists(text) else text.rsplit(':', 1)
+    progress('reading ' + text)
     A, labels = arrays(path, most)[name]
     if A.shape[0] != A.shape[1]:
         raise Refused('%s: %d rows, %d columns: it has to be square' % (text, *A.shape))
@@ -430,24 +433,36 @@ def row_name(model, p):
 def moved(x, A, place):
     """What K gives per row for unit translations, and for rotations about the row's own node, beside the sums of the sizes: 0 where the
     structure is free, and K and the places are of one order and one system of units. Columns of motions that the model cannot do are 0."""
-    at, dof = place // 6, place % 6
-    d = x[at[A.col]] - x[at[A.row]]
-    straight, n = dof[A.col] < 3, len(place)
-    root = np.sqrt(np.maximum(A.diagonal(), 0))
-    size = abs(A.data) + 1e-8 * root[A.row] * root[A.col]  # of entries that are rounding alone that is what counts
-    sizes = [np.bincount(A.row, size * weight, n) for weight in (straight, np.where(straight, np.linalg.norm(d, axis=1), 1))]
-    has = np.isin(np.arange(3), dof)
-    out = np.zeros((2, 3, n))
-    for k in range(3):
-        turned = np.cross(AXES[k], d)[np.arange(len(d)), np.where(straight, dof[A.col], 0)]
-        out[0, k] = np.bincount(A.row, A.data * (dof[A.col] == k), n) * has[k]
-        out[1, k] = np.bincount(A.row, A.data * np.where(straight, turned, dof[A.col] == 3 + k), n) * np.all(np.delete(has, k))
+    root, n = np.sqrt(np.maximum(A.diagonal(), 0)), len(place)
+    out, sizes, first = np.zeros((2, 3, n)), np.zeros((2, n)), 0
+    while first < n:  # in parts of a million entries
+        last = max(first + 1, int(np.searchsorted(A.indptr, A.indptr[first] + 1000000)) - 1)
+        last = min(last, n)
+        moved_rows(x, A, place, root, slice(first, last), out, sizes)
+        first = last
     return [abs(values).max(axis=0) / np.where(size > 0, size, 1) for values, size in zip(out, sizes)]
+
+
+def moved_rows(x, A, place, root, rows, out, sizes):
+    """moved, of some rows."""
+    count = np.diff(A.indptr[rows.start:rows.stop + 1])
+    entries = slice(A.indptr[rows.start], A.indptr[rows.stop])
+    data, col, row = A.data[entries], A.indices[entries], np.repeat(np.arange(rows.stop - rows.start), count)
+    own, dof = rows.start + row, place[col] % 6
+    sums = lambda values: np.bincount(row, values, rows.stop - rows.start)
+    d = (x[place[col] // 6] - x[place[own] // 6]).T
+    size = abs(data) + 1e-8 * root[own] * root[col]  # of entries that are rounding alone that is what counts
+    sizes[:, rows] = sums(size), sums(size * np.where(dof < 3, np.sqrt(np.sum(d * d, axis=0)), 1))
+    has = np.isin(np.arange(3), place % 6)
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3  # turned about k, i moves by -d_j and j by d_i
+        out[0, k, rows] = sums(data * (dof == k)) * has[k]
+        out[1, k, rows] = sums(data * ((dof == j) * d[i] - (dof == i) * d[j] + (dof == 3 + k))) * (has[i] and has[j])
 
 
 def order_check(model, K, place, options, hint=', which --grounded allows'):
     """K lets rigid-body motion go free of forces, but where it holds the structure to the ground? hint: what may be done about that."""
-    pulled, turned = moved(model.x, K.tocoo(), place)
+    pulled, turned = moved(model.x, K, place)
     limit = options.tolerance
     ground = np.unique(place[pulled > limit] // 6)
     wrong = np.flatnonzero((turned > limit) & (pulled <= 1e-6) & (place % 6 < 3))
@@ -505,15 +520,6 @@ def coupled_check(model, K, M, place, options):
         model.notes.append(text)
 
 
-def factored(K):
-    """Solves with K, symmetric; and the row of its most negative pivot, relative to its diagonal, or None."""
-    lu = splu(sparse.csc_array(K), permc_spec='MMD_AT_PLUS_A', diag_pivot_thresh=0.0, options={'SymmetricMode': True})
-    if lu.nnz > 30000000 or not np.array_equal(lu.perm_r, lu.perm_c):  # its U is a copy
-        return lu.solve, None
-    pivot = lu.U.diagonal()[lu.perm_c] / K.diagonal()
-    return lu.solve, int(pivot.argmin()) if pivot.min() < -1e-8 else None
-
-
 def most_negative(A):
     """Where the shape of the most negative eigenvalue of a small matrix moves most, or None."""
     size = np.sqrt(np.maximum(A.diagonal(), 1e-300))
@@ -523,25 +529,29 @@ def most_negative(A):
 
 def indefinite(model, A, place, name, what):
     """Refuses a matrix that has a negative eigenvalue; what solves with it, or None where it is small or singular."""
+    progress('factor of %s, %d rows' % (name, A.shape[0]))
     heavy = np.flatnonzero(A.diagonal() > 0)
     part, solver, bad = A[heavy][:, heavy], None, None
     with contextlib.suppress(RuntimeError, linalg.LinAlgError):  # singular, of which the modes tell more
         if len(heavy) <= 300:
             bad = most_negative(part)
         elif part.nnz > len(heavy):
-            solver, bad = factored(part)
+            solver, bad = large.factored(part)
     if bad is not None:
         raise Refused('%s: indefinite %s, by a shape that moves %s' % (name, what, row_name(model, place[heavy[bad]])))
     return solver if len(heavy) == A.shape[0] else None
 
 
-def solve(model, K, M, place, clamped, options):
-    """Modes of K and M on the clamped interface, by shift and invert."""
+def solve(model, matrices, place, clamped, options):
+    """Modes of K and M on the clamped interface, by shift and invert; takes the matrices out of the list, as memory counts."""
+    K, M = matrices[:2]
+    matrices.clear()
     n_mode = options.modes or min(6, K.shape[0])
     k_row, m_row = abs(K).max(axis=1).toarray().ravel(), abs(M).max(axis=1).toarray().ravel()
     for row in np.flatnonzero((k_row == 0) & (m_row > 0) & ~clamped[place // 6]):
         raise Refused('%s has mass and no stiffness: hold it, or leave it out (column dofs)' % row_name(model, place[row]))
     rows = row_names(model, place)
+    progress('checks')
     definite_check(rows, K, options.matrices[0], 'stiffness')
     definite_check(rows, M, options.matrices[1], 'mass')
     order_check(model, K, place, options)
@@ -552,23 +562,22 @@ def solve(model, K, M, place, clamped, options):
     keep = np.flatnonzero((k_row > 0) & ~clamped[place // 6])
     K, M, R = K[keep][:, keep], M[keep][:, keep], rigid(model.x)[place[keep]]
     n = len(keep)
-    rank = int(np.sum(m_row[keep] > 0))
-    if n == 0 or n_mode > rank:
-        raise Refused('--modes: %d wanted, there are %d degrees of freedom with mass' % (n_mode, rank))
+    heavy = int(np.sum(m_row[keep] > 0))
+    if n == 0 or n_mode > heavy:
+        raise Refused('--modes: %d wanted, there are %d degrees of freedom with mass' % (n_mode, heavy))
     held_check(K, R)
     small = n <= 300 or n_mode > n // 3
     solver = indefinite(model, K, place[keep], options.matrices[0], 'once the interface is clamped')
     indefinite(model, M, place[keep], options.matrices[1], 'as no mass is')
     try:
-        solver = solver or factored(K)[0]
+        solver = solver or large.factored(K)[0]
         if small:
             phi = linalg.eigh(M.toarray(), K.toarray(), subset_by_index=[n - n_mode, n - 1])[1]  # M may be singular
         else:
-            phi = eigsh(sparse.csc_array(K), n_mode, sparse.csc_array(M), sigma=0.0, OPinv=LinearOperator(K.shape, solver, dtype=float),
-                        v0=np.cos(np.arange(n)), tol=0)[1]
+            phi = large.lowest(solver, M, n_mode, progress)
         phi /= np.sqrt(np.einsum('ik,ik->k', phi, M @ phi))
         value, turn = linalg.eigh(phi.T @ (K @ phi), phi.T @ (M @ phi))  # orthogonal to rounding
-    except (linalg.LinAlgError, ArpackError, RuntimeError, ValueError) as error:
+    except (linalg.LinAlgError, RuntimeError, ValueError) as error:
         raise Refused('%s, %s have no modes (%s): K is to be positive definite once the interface is clamped, M not negative' % (*options.matrices, told(error)))
     phi = phi @ turn
     phi *= np.sign(phi[abs(phi).argmax(axis=0), np.arange(n_mode)])
@@ -580,6 +589,9 @@ def solve(model, K, M, place, clamped, options):
     model.hz = np.sqrt(value) / (2 * np.pi)
     model.phi = np.zeros((6 * len(model.ids), n_mode))
     model.phi[place[keep]] = phi
+    if len(keep) > LARGE and not large.cholmod:
+        model.notes.append("%d rows were factored by SciPy's SuperLU, which takes several times the time and memory of CHOLMOD: python3 -m pip install "
+                           "'scikit-sparse<0.5' (Debian: libsuitesparse-dev)" % len(keep))
     model.static = solver, place[keep], value, phi
 
 
@@ -601,6 +613,8 @@ def from_matrices(options):
         if name and name != C_name:
             model.notes.append('%s is not taken: %s' % (name, what))
     matrices, place = placed(table, files, options)
+    del files
+    arrays.cache_clear()
     few = len(np.unique(place // 6)) <= FEW  # statically reduced, without modal coordinates
     if np.any(place >= 6 * len(model.ids)) or few and K_name.rsplit(':', 1)[-1].upper() in ('KAAX', 'KAA', 'KXX', 'STIFFNESS'):
         return reduced(model, matrices, place, table, options, most)
@@ -608,13 +622,12 @@ def from_matrices(options):
         model.notes.append('%s is not taken: of matrices of all nodes damping is modal, --word \'damping RATIO\'' % C_name)
     if table.axes and any(abs(turn - AXES).max() > SMALL for turn in table.axes):
         raise Refused('%s: displacements of its grids are in axes of their own (CD): of matrices of all nodes basic ones are wanted' % options.nodes)
-    K, M = matrices[:2]
     basic = basic_by(place, sparse.csr_array(sparse.eye(6 * len(model.ids))))
-    M_basic = basic(M, options.matrices[1])
+    M_basic = basic(matrices[1], options.matrices[1])
     clamped = np.zeros(len(model.ids), dtype=bool)
     for node in options.frame:
         clamped[model.find(node, '--frame')] = True
-    solve(model, K, M, place, clamped, options)
+    solve(model, matrices, place, clamped, options)
     return model, M_basic, basic, most
 
 
@@ -1266,7 +1279,7 @@ def possible(J):
 
 
 def lumps(model, M):
-    """Masses of a matrix by nodes, at offsets where it says so; does it consist of them?"""
+    """Masses of a matrix by nodes, at offsets where it says so; does it consist of them? If not, none."""
     n = len(model.ids)
     shape = model.phi.reshape(n, 6, -1)
     coo, extent = M.tocoo(), np.ptp(model.x, axis=0).max()
@@ -1275,21 +1288,28 @@ def lumps(model, M):
     np.add.at(blocks, (coo.row[own] // 6, coo.row[own] % 6, coo.col[own] % 6), coo.data[own])
     size = np.sqrt(np.maximum(M.diagonal(), 1e-300))
     rest = (abs(coo.data) / size[coo.row] / size[coo.col])[~own].max(initial=0)
+    heavy = np.flatnonzero(abs(blocks).max(axis=(1, 2)) > 0)
+    B, size = blocks[heavy], size.reshape(-1, 6)[heavy]
+    mass = np.trace(B[:, :3, :3], axis1=1, axis2=2) / 3
+    cross = B[:, 3:, :3] / np.where(mass > 0, mass, np.inf)[:, None, None]
+    center = np.stack([cross[:, 2, 1] - cross[:, 1, 2], cross[:, 0, 2] - cross[:, 2, 0], cross[:, 1, 0] - cross[:, 0, 1]], axis=1) / 2
+    about = np.array([[0, 0, 0], [0, 0, -1], [0, 1, 0]]), np.array([[0, 0, 1], [0, 0, 0], [-1, 0, 0]]), np.array([[0, -1, 0], [1, 0, 0], [0, 0, 0]])
+    arm = np.einsum('ni,ijk->njk', center, np.array(about))  # the matrices of center x
+    J = B[:, 3:, 3:] + mass[:, None, None] * arm @ arm
+    body = np.zeros_like(B)  # body_block of each
+    body[:, :3, :3], body[:, 3:, 3:] = mass[:, None, None] * AXES, B[:, 3:, 3:]
+    body[:, :3, 3:], body[:, 3:, :3] = -mass[:, None, None] * arm, mass[:, None, None] * arm
+    rest = max(rest, (abs(body - B) / (size[:, :, None] * size[:, None, :])).max(initial=0))
+    if rest > SMALL:
+        return [], False
     out, free = [], max(model.ids) + 1
-    for k in np.flatnonzero(abs(blocks).max(axis=(1, 2)) > 0):
-        B = blocks[k]
-        mass = np.trace(B[:3, :3]) / 3
-        cross = B[3:, :3] / mass if mass > 0 else np.zeros((3, 3))
-        center = np.array([cross[2, 1] - cross[1, 2], cross[0, 2] - cross[2, 0], cross[1, 0] - cross[0, 1]]) / 2
-        J = B[3:, 3:] + mass * skew(center) @ skew(center)
-        own = size[6 * k:6 * k + 6]
-        rest = max(rest, (abs(body_block(mass, center, J) - B) / np.outer(own, own)).max())
-        at = Mass(model.ids[k], model.x[k], mass, J, shape[k])
-        if np.linalg.norm(center) > SMALL * extent:
-            at = Mass(free, model.x[k] + center, mass, J, np.vstack([shape[k, :3] - skew(center) @ shape[k, 3:], shape[k, 3:]]))
+    for n, k in enumerate(heavy):
+        at = Mass(model.ids[k], model.x[k], mass[n], J[n], shape[k])
+        if np.linalg.norm(center[n]) > SMALL * extent:
+            at = Mass(free, model.x[k] + center[n], mass[n], J[n], np.vstack([shape[k, :3] - skew(center[n]) @ shape[k, 3:], shape[k, 3:]]))
             at.grid, free = model.ids[k], free + 1
         out.append(at)
-    return out, rest <= SMALL
+    return out, True
 
 
 def straight(M):
@@ -1764,6 +1784,7 @@ def convert(options):
     model.hz, model.phi = model.hz[:keep], model.phi[:, :keep]
     model.modal_mass = None if model.modal_mass is None else model.modal_mass[:keep]
     model.K_G = [basic(matrix(name, most), name) if name != 'none' else 0 * M for name in options.geometric or []]
+    progress('masses')
     M = scaled(model, M, *options.scale)
     origin = (options.origin or '0,0,0').split(',')
     model.x = model.x - (model.x[model.find(int(origin[0]), '--origin')] if len(origin) == 1 else np.array(origin, dtype=float))
@@ -1803,6 +1824,7 @@ def convert(options):
     effective(model, want)
     static_loss(model, marks)
     lines, extra = lines_of(model, options.line, masses) if options.line else ([], extremes(model))
+    progress('writing')
     figures = 'mass %.9g kg, masses %s (%s off by %.1g)' % (want[0, 0], how, worst, off[worst])
     return written(options, model, masses, lines, extra, marks, figures), figures, model, report_of(options, model, want, marks, how, off) if options.report else None
 
@@ -1913,7 +1935,10 @@ def options_of(arguments):
 def main(arguments):
     try:
         options = options_of(arguments)
-        text, figures, model, report = convert(options)
+        try:
+            text, figures, model, report = convert(options)
+        finally:
+            progress.clear()
         with open(options.out, 'w', encoding='utf-8') as file:
             file.write(text)
         if report:

@@ -3,7 +3,8 @@
 # Nastran's files (tests/checks/import.py): mass, inertia, first moments and frequencies of flexbeam's bodies are those of the models and
 # of closed forms, spinning ones stiffen as its own beams do; what is wrong is told. Matrices reduced by Craig and Bampton
 # (tests/checks/import_reduced.py) keep frequencies and the compliance at their interfaces. Modal data without a mesh
-# (tests/checks/import_modal.py) give the body of the same masses. Files damaged at random, others each day, are refused
+# (tests/checks/import_modal.py) give the body of the same masses. Large models (tests/checks/import_size.py) have bounds of
+# time and memory. Files damaged at random, others each day, are refused
 # or read (tests/checks/import_hostile.py). pyNastran, SciPy and NumPy are fetched by .ci/fetch into build/venv_nastran (an older NumPy
 # than that of FMPy); where they are not there all but the blades is left out.
 . tests/checks/common.sh
@@ -111,6 +112,8 @@ figures=$(tail -n 1 "$out/log")
 try env OMP_NUM_THREADS=1 "$python" tests/checks/import_reduced.py "$out"
 figures="$figures, $(tail -n 1 "$out/log")"
 try env OMP_NUM_THREADS=1 "$python" tests/checks/import_modal.py "$out"
+figures="$figures, $(tail -n 1 "$out/log")"
+try env OMP_NUM_THREADS=1 "$python" tests/checks/import_size.py "$out"
 figures="$figures, $(tail -n 1 "$out/log")"
 for browser in chromium-headless-shell chromium; do # the page of a report draws itself
   if command -v $browser > /dev/null; then
