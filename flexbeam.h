@@ -187,7 +187,7 @@
      fb_implicit_work             9920
      fb_exponential_work          4752
      fb_system_work             684344
-     fb_exact_work              201320
+     fb_exact_work              206504
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               426040
@@ -195,9 +195,9 @@
      fb_form_work                11648  FB_WITH_FORMS
      fb_analyse_work           1290104
      fb_system_analyse_work    2016984
-     fb_exact_path_work         230584
-     fb_exact_spectrum_work    1848008
-     fb_exact_linear_work      2300888
+     fb_exact_path_work         238648
+     fb_exact_spectrum_work    1853192
+     fb_exact_linear_work      2306072
      fb_advice_work            1156848
 
    CONVENTIONS
@@ -1576,6 +1576,14 @@ typedef struct fb_line_load {  /* per length of the undeformed line */
   fb_real force[3], torque[3]; /* [N/m], [N m/m] */
 } fb_line_load;
 
+/* Place of what holds a node, tip or support, relative to where it is built: as the base carries it, if the node is none
+   of the list. Entries of one node follow each other. Zero along and about what is not held; the root is held by the base, which
+   moves by v, w. */
+typedef struct fb_support_place {
+  int node;
+  fb_real displacement[3], rotation[3]; /* [m] base axes; [rad] rotation vector, built section axes */
+} fb_support_place;
+
 typedef struct fb_exact_input { /* all zero: nothing acts, the base rests */
   int n_load;
   fb_load load[FB_MAX_LOADS];      /* at nodes */
@@ -1583,6 +1591,8 @@ typedef struct fb_exact_input { /* all zero: nothing acts, the base rests */
   fb_real v[3], w[3];              /* [m/s], [rad/s] of the base frame, base axes; nothing held: of the start alone */
   /* Motors of the joints: [N m] about the axis, on what is outboard; of a driven one its rate [rad/s] */
   fb_real motor[FB_MAX_LUMPS];
+  int n_support;
+  fb_support_place support[FB_MAX_LUMPS]; /* where supports are at the end of the step, or in the steady state */
 } fb_exact_input;
 
 typedef struct fb_exact_state {           /* all that changes, in the beam's own units; assignment is a snapshot */
@@ -1604,6 +1614,8 @@ typedef struct fb_exact_state {           /* all that changes, in the beam's own
      near the base's. */
   fb_real u[3];
   fb_real lost[3]; /* [m] of base_position: what rounding took from it, given back with the next step */
+  int n_support;   /* where supports are: of the input of the last step, or of fb_exact_trim */
+  fb_support_place support[FB_MAX_LUMPS];
 } fb_exact_state;
 
 /* Scratch; large: make it static. .unstable counts the unstable directions of a steady state, .iterations and .increments
@@ -1824,7 +1836,9 @@ FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
    work: within the next step, in steps below 0.03 fb_exact.time (about a sixtieth of the period of a cantilever's first
    mode) by the part (dt/0.03 time)^2 of the way, so that the reaction does not grow with shorter steps. Of one rotation
    that is held alone the rate is held, no place. Steps may differ; one that is longer than the one before damps with
-   order 1. Bounded work: desc.factorizations, as many evaluations and at most desc.iterations more, in double precision
+   order 1. Where supports are moved the input has their places at the end of the step, to which they go at a constant
+   rate; their work, sum of reaction times velocity of fb_exact_node, is what the energy grows by. Motion that begins
+   with a velocity, or a jump, is an impact that rings without dissipation. Bounded work: desc.factorizations, as many evaluations and at most desc.iterations more, in double precision
    until the next correction would be rounding, three or four as a rule. One factorization, at the extrapolated state,
    does for all but a stiff beam that is held along its line at two places and bends much between them in a step: its
    stretch is quadratic in that, and the iteration contracts slowly. EI = 100 N m^2, 10 m, clamped and pinned at 4 m,
@@ -2651,7 +2665,9 @@ FB_API fb_status fb_form_step(const fb_form_body *formed, fb_state *state, fb_fo
 #if FB_WITH_EXACT
 /* Steady state under constant loads, gravity and motion of the base (at rest or in steady rotation; loads that do not
    rotate with a spinning base are taken in their present direction). state is the first guess; if Newton's method does
-   not converge from it, load increments are applied to the undeformed beam. At most 500 increments of 25 iterations.
+   not converge from it, load increments are applied to the undeformed beam, and increments of the way of its supports
+   under the first of them: so slack lines (moorings, cables), built straight, get to their ends. At most 500 increments
+   of 25 iterations.
    A driven joint keeps the angle of the state, which may be set; the undeformed beam has its joints at those angles.
    Beyond a buckling load there are several steady states. work->unstable is the number of unstable directions of this
    one, the negative eigenvalues of the tangent stiffness (E10.20): 0 is stable, k > 0 as where k buckling loads are
@@ -2810,7 +2826,7 @@ typedef struct fb_exact_path {           /* position on a path of steady states;
 typedef struct fb_exact_path_work fb_exact_path_work; /* scratch; large: make it static */
 
 /* One step of arc-length continuation along the path of steady states under `constant` (NULL: gravity alone) and
-   path->factor times the loads of `varied`. The path passes limit points, where a load that only grows would jump
+   path->factor times the loads and the ways of supports of `varied`. The path passes limit points, where a load that only grows would jump
    (snap-through, snap-back), and buckling loads, where a small constant imperfection load selects the branch.
    state: in and out; at first that of fb_exact_trim under `constant`, with a path all zero. The motion v, w of the base
    is that of `constant`.
@@ -3319,6 +3335,8 @@ struct fb_exact_work {
   fb_real B[6 * (FB_MAX_EXACT + 1)], c[6 * FB_MAX_EXACT], want[6 * (FB_MAX_EXACT + 1)]; /* residuals */
   fb_real power;                                                   /* of gravity and dead forces at mid-step */
   fb_real way[2][6 * (FB_MAX_EXACT + 1)], away, along[2], pull[3]; /* of held nodes back to their place (E10.16) */
+  int moved; /* supports are not where they are built: their places at the start of the step, their twists, base axes */
+  fb_real place_r[3 * (FB_MAX_EXACT + 1)], place_quat[4 * (FB_MAX_EXACT + 1)], place_V[6 * (FB_MAX_EXACT + 1)];
   /* Joints: angle at the start of the step, or near that of the steady state; where its rate starts from; driven ones:
      angle to hold in a steady state; motors */
   fb_real angle[FB_MAX_LUMPS], angle_base[FB_MAX_LUMPS], hold[FB_MAX_LUMPS], motor[FB_MAX_LUMPS];
@@ -3454,12 +3472,15 @@ struct fb_system_analyse_work {
 typedef struct fbi_exact_loads {
   fb_real line[6 * FB_MAX_EXACT], line_dead[6 * FB_MAX_EXACT], offset[6 * FB_MAX_EXACT];
   fb_real follower[6 * (FB_MAX_EXACT + 1)], dead[6 * (FB_MAX_EXACT + 1)], motor[FB_MAX_LUMPS];
+  int n_support;
+  fb_support_place support[FB_MAX_LUMPS];
 } fbi_exact_loads;
 
 struct fb_exact_path_work {
   fb_exact_work exact;
   fbi_exact_loads constant, varied;
-  fb_real B[6 * (FB_MAX_EXACT + 1)], c[6 * FB_MAX_EXACT];   /* change of the residuals per unit of the factor */
+  /* Change of the residuals per unit of the factor */
+  fb_real B[6 * (FB_MAX_EXACT + 1)], c[6 * FB_MAX_EXACT], want[6 * (FB_MAX_EXACT + 1)];
   fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* correction at a constant factor */
   fb_real ahead[6 * (FB_MAX_EXACT + 1)];
 };

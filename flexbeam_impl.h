@@ -15806,29 +15806,89 @@ static void fbi_exact_nodes_eval(fb_exact_work *work, const fb_exact *m)
   }
 }
 
+/* Moves the place r, quat of what holds a node by `part` of what a list says. */
+static void fbi_exact_place_add(fb_real r[3], fb_real quat[4], const fb_exact *m, int node,
+                                const fb_support_place *list, int n, fb_real part)
+{
+  for (int k = 0; k < n; k++) {
+    if (list[k].node == node) {
+      const fb_real *const turn = list[k].rotation, x[3] = {part * turn[0], part * turn[1], part * turn[2]};
+      fb_real before[4], y[4];
+      fbi_copy(before, quat, 4);
+      fb_quat_from_rotvec(y, x);
+      fb_quat_mul(quat, before, y);
+      fbi_vec3_add(r, part / m->length, list[k].displacement);
+    }
+  }
+}
+
+/* As built, then moved by the whole of list a and by `part` of list b. */
+static void fbi_exact_places_set(fb_exact_work *work, const fb_exact *m, const fb_support_place *a, int n_a,
+                                 const fb_support_place *b, int n_b, fb_real part)
+{
+  work->moved = n_a + n_b > 0;
+  for (int j = 1; j <= m->n && work->moved; j++) {
+    fb_real *const r = work->place_r + 3 * j, *const quat = work->place_quat + 4 * j;
+    fbi_copy(r, m->r + 3 * j, 3);
+    fbi_copy(quat, m->quat + 4 * j, 4);
+    fbi_exact_place_add(r, quat, m, j, a, n_a, FB_R(1.0));
+    fbi_exact_place_add(r, quat, m, j, b, n_b, part);
+    fbi_vec6_zero(work->place_V + 6 * j);
+  }
+}
+
+/* [E10.30] Twists with which supports get to the places of the input within a step, constant in it, relative to the base
+   and in its axes: from the places of the state, displacement/step and the rotation vector from the one attitude to the
+   other/step.
+   Source: definition.  Cost: 300 flops a node, where supports are not as built.  Fails: never.
+   Test: a_moved_tip_is_a_moved_base_seen_from_the_other_end, moved_supports_work_as_much_as_energy_grows. */
+static void fbi_exact_places_begin(fb_exact_work *work, const fb_exact *m, const fb_exact_state *state,
+                                   const fb_exact_input *input, fb_real step)
+{
+  fbi_exact_places_set(work, m, state->support, state->n_support, input->support, input->n_support, FB_R(0.0));
+  for (int j = 1; j <= m->n && work->moved; j++) {
+    const fb_real *const start = work->place_quat + 4 * j;
+    const fb_real back[4] = {start[0], -start[1], -start[2], -start[3]};
+    fb_real *const V = work->place_V + 6 * j, end[4], turn[4], phi[3], R[9];
+    fbi_copy(V, m->r + 3 * j, 3);
+    fbi_copy(end, m->quat + 4 * j, 4);
+    fbi_exact_place_add(V, end, m, j, input->support, input->n_support, FB_R(1.0));
+    fbi_vec3_add(V, -FB_R(1.0), work->place_r + 3 * j);
+    fb_quat_mul(turn, back, end);
+    fb_quat_to_rotvec(phi, turn);
+    fb_quat_to_mat33(R, start);
+    fb_mat33_mul_vec3(V + 3, R, phi);
+    for (int i = 0; i < 6; i++) {
+      V[i] /= step;
+    }
+  }
+}
+
 /* Pose error of a constrained node: position in base axes, rotation in section axes. With one axis free (a hinge) the
    rotation error is the misalignment of this axis, since the rotation vector would contain the hinge angle. */
-static void fbi_exact_pose_error(fb_real e[6], const fb_exact *m, const fb_real *r, const fb_real *quat, int node)
+static void fbi_exact_pose_error(fb_real e[6], const fb_exact_work *work, const fb_exact *m, int node)
 {
-  const fb_real *const q = quat + 4 * node;
+  const fb_real *const q = work->quat + 4 * node, *const r = work->r + 3 * node;
+  const fb_real *const place = (work->moved ? work->place_r : m->r) + 3 * node;
+  const fb_real *const attitude = (work->moved ? work->place_quat : m->quat) + 4 * node;
   const fb_real back[4] = {q[0], -q[1], -q[2], -q[3]};
   fb_real turn[4];
 
   /* Position and rotation vector */
   for (int i = 0; i < 3; i++) {
-    e[i] = m->r[3 * node + i] - r[3 * node + i];
+    e[i] = place[i] - r[i];
   }
-  fb_quat_mul(turn, back, m->quat + 4 * node);
+  fb_quat_mul(turn, back, attitude);
   fb_quat_to_rotvec(e + 3, turn);
 
   /* Hinge about axis i */
   for (int i = 0; i < 3; i++) {
     if ((m->held[node] & FB_END_GUIDED) == (FB_END_GUIDED & ~(FB_HOLD_RX << i))) {
-      fb_real R[9], place[3], own[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+      fb_real R[9], wanted[3], own[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
       own[i] = FB_R(1.0);
       fb_quat_to_mat33(R, turn);
-      fb_mat33_mul_vec3(place, R, own);
-      fb_vec3_cross(e + 3, own, place);
+      fb_mat33_mul_vec3(wanted, R, own);
+      fb_vec3_cross(e + 3, own, wanted);
     }
   }
 }
@@ -15837,7 +15897,7 @@ static void fbi_exact_pose_error(fb_real e[6], const fb_exact *m, const fb_real 
 static void fbi_exact_off(fb_real y[6], const fb_exact_work *work, const fb_exact *m, int node)
 {
   fb_real e[6];
-  fbi_exact_pose_error(e, m, work->r, work->quat, node);
+  fbi_exact_pose_error(e, work, m, node);
   fbi_vec6_copy(y, e);
   if (!fbi_exact_turned(m->held[node])) {
     fb_mat33_mulT_vec3(y, work->R + 9 * node, e);
@@ -15856,32 +15916,39 @@ static void fbi_exact_held_load(fb_real F[6], const fb_exact_work *work, const f
   }
 }
 
-/* [E10.17] Velocity of the base at the node, v + w x r, minus the node's own, in the axes of its rows. r: prescribed
-   position in constrained directions, position at mid-step in free ones.
+/* [E10.17] Velocity of the base at the node, v + w x r, and that of its support (E10.30), minus the node's own, in the
+   axes of its rows. r: prescribed position in constrained directions, position at mid-step in free ones.
    Source: [L] 3.18.  Cost: 80 flops.  Fails: never.  Test: a_beam_slides_out_of_a_spinning_slot. */
 static void fbi_exact_slip(fb_real y[6], const fb_exact_work *work, const fb_exact *m, int node)
 {
   const fb_real *const R = work->R + 9 * node, *const V = work->V + 6 * node, *const w = work->twist + 3;
-  fb_real own[3], carried[3], r[3];
+  const int moved = work->moved && node > 0;
+  const fb_real *const place = (moved ? work->place_r : m->r) + 3 * node, *const V_place = work->place_V + 6 * node;
+  fb_real own[3], carried[3], r[3], turning[3];
 
   /* Position r */
   fb_mat33_mul_vec3(own, R, V);
   fbi_copy(carried, work->twist, 3);
   fbi_vec3_add_cross(carried, w, work->r + 3 * node);
   for (int i = 0; i < 3; i++) {
-    r[i] =
-        m->held[node] >> i & 1 ? m->r[3 * node + i] : work->r[3 * node + i] + work->motion.pose * (own[i] - carried[i]);
+    r[i] = m->held[node] >> i & 1 ? place[i] : work->r[3 * node + i] + work->motion.pose * (own[i] - carried[i]);
+    r[i] += moved && m->held[node] >> i & 1 ? work->motion.pose * V_place[i] : FB_R(0.0);
   }
 
   /* Relative velocity */
   fbi_copy(carried, work->twist, 3);
   fbi_vec3_add_cross(carried, w, r);
+  fbi_vec3_copy(turning, w);
+  if (moved) {
+    fbi_vec3_add(carried, FB_R(1.0), V_place);
+    fbi_vec3_add(turning, FB_R(1.0), V_place + 3);
+  }
   fbi_vec3_add(carried, -FB_R(1.0), own);
   fb_mat33_mulT_vec3(y, R, carried);
   if (fbi_exact_turned(m->held[node])) {
     fbi_copy(y, carried, 3);
   }
-  fb_mat33_mulT_vec3(y + 3, R, w);
+  fb_mat33_mulT_vec3(y + 3, R, turning);
   fbi_vec3_add(y + 3, -FB_R(1.0), V + 3);
 }
 
@@ -15917,7 +15984,8 @@ static void fbi_exact_want(fb_exact_work *work, const fb_exact *m, fb_real dt)
 /* ---- steady states */
 
 /* Relative size of the last correction: lengths over the beam's, rotations in radians, stresses over the largest one.
-   The part of a stress correction explained by the round-off `rounding` of node positions is left out. */
+   The part of a stress correction explained by the round-off `rounding` of node positions is left out. Where supports are
+   moved the largest is that of the correction, too: their way makes stress of none. */
 static fb_real fbi_exact_change(const fb_exact_work *work, const fb_exact *m, fb_real step, fb_real rounding)
 {
   fb_real pose = FB_R(0.0), stress = FB_R(0.0), largest = FB_R(1.0);
@@ -15930,6 +15998,7 @@ static fb_real fbi_exact_change(const fb_exact_work *work, const fb_exact *m, fb
       const fb_real apart = m->jointed[k] ? FB_R(0.0) : rounding / m->h[k] * S[7 * i];
       stress = fbi_larger(stress, FB_FABS(ds[i]) - apart);
       largest = fbi_larger(largest, FB_FABS(s[i]));
+      largest = work->moved ? fbi_larger(largest, FB_FABS(ds[i])) : largest;
     }
   }
   if (!fbi_is_finite(work->dd, 6 * (m->n + 1)) || !fbi_is_finite(work->ds, 6 * m->n)) {
@@ -16047,6 +16116,34 @@ static int fbi_exact_rates_are_finite(const fb_exact *m, const fb_exact_state *s
          fbi_is_number(state->step) && fbi_is_finite(state->u, 3) && fbi_is_finite(state->lost, 3);
 }
 
+/* Places of supports: of nodes beyond the root that are held, nothing along or about what is not. */
+static fb_status fbi_exact_supports_check(const fb_exact *m, const fb_support_place *list, int n)
+{
+  if (n < 0 || n > FB_MAX_LUMPS) {
+    return FBI_REFUSE(FB_ERR_CAPACITY, "n_support, 0 to FB_MAX_LUMPS", -1, (fb_real)n, FB_R(1.0) * FB_MAX_LUMPS);
+  }
+  for (int k = 0; k < n; k++) {
+    const fb_support_place *const s = &list[k];
+    if (s->node < 1 || s->node > m->n || m->held[s->node] == 0) {
+      return FBI_REFUSE(FB_ERR_VALUE, "support: node beyond the root, which moves with the base, that is held", k,
+                        (fb_real)s->node, FB_R(0.0));
+    }
+    if (!fbi_is_finite(s->displacement, 3) || !fbi_is_finite(s->rotation, 3)) {
+      return FB_ERR_NOT_FINITE;
+    }
+    for (int i = 0; i < 6; i++) {
+      const fb_real x = i < 3 ? s->displacement[i] : s->rotation[i - 3];
+      if (!(m->held[s->node] >> i & 1) && x != FB_R(0.0)) {
+        return FBI_REFUSE(FB_ERR_VALUE,
+                          i < 3 ? "support: displacement [m] along what is not held, equal to"
+                                : "support: rotation [rad] about what is not held, equal to",
+                          k, x, FB_R(0.0));
+      }
+    }
+  }
+  return FB_OK;
+}
+
 FB_DEF fb_status fb_exact_state_check(const fb_exact *m, const fb_exact_state *state)
 {
   fb_real quat[4];
@@ -16059,6 +16156,7 @@ FB_DEF fb_status fb_exact_state_check(const fb_exact *m, const fb_exact_state *s
       !fbi_is_finite(state->velocity, 6 * (m->n + 1)) || !fbi_exact_rates_are_finite(m, state)) {
     return FB_ERR_NOT_FINITE;
   }
+  FBI_TRY(fbi_exact_supports_check(m, state->support, state->n_support));
   for (int j = 0; j < m->n_joint; j++) {
     if (!fbi_exact_is_angle(state->angle[j])) {
       return FB_ERR_VALUE;
@@ -16116,7 +16214,21 @@ static fb_status fbi_exact_input_check(const fb_exact *m, const fb_exact_input *
       return FBI_REFUSE(FB_ERR_VALUE, "load on the length of an element that is a joint", k, FB_R(0.0), FB_R(0.0));
     }
   }
+  FBI_TRY(fbi_exact_supports_check(m, input->support, input->n_support));
   return fbi_is_finite(input->motor, m->n_joint) ? FB_OK : FB_ERR_NOT_FINITE;
+}
+
+/* Where supports are from here on: adds `part` of a list. */
+static void fbi_exact_supports_keep(fb_exact_state *state, const fb_support_place *list, int n, fb_real part)
+{
+  for (int k = 0; k < n; k++) {
+    fb_support_place *const s = &state->support[state->n_support++];
+    s->node = list[k].node;
+    for (int i = 0; i < 3; i++) {
+      s->displacement[i] = part * list[k].displacement[i];
+      s->rotation[i] = part * list[k].rotation[i];
+    }
+  }
 }
 
 /* Reactions: residual of the balance at constrained nodes. */
@@ -20629,6 +20741,7 @@ static void fbi_exact_begin(fb_exact_work *work, const fb_exact *m, const fb_exa
   fbi_exact_offset_change(work->strain, state->offset, work->offset, 6 * m->n);
   fbi_exact_rate_base(work->momentum, state->momentum, state->momentum_rate, last, 6 * m->n);
   fbi_exact_rate_base(work->velocity, state->velocity, state->velocity_rate, last, 6 * (m->n + 1));
+  fbi_exact_places_begin(work, m, state, middle, step);
   fbi_exact_middles_begin(work, m, state);
   fbi_exact_rate_base(work->angle_base, state->angle, state->angle_rate, last, m->n_joint);
   fbi_copy(work->angle, state->angle, m->n_joint);
@@ -20956,6 +21069,8 @@ FB_DEF fb_status fb_exact_step(const fb_exact *m, fb_exact_state *state, fb_exac
   /* Convergence: last correction and the expected next one */
   FBI_TRY(fbi_larger(change, FB_R(10.0) * next) < FBI_EXACT_STEP_TOLERANCE ? FB_OK : FB_ERR_CONVERGENCE);
   fbi_exact_end(state, work, m, step);
+  state->n_support = 0;
+  fbi_exact_supports_keep(state, middle->support, middle->n_support, FB_R(1.0));
   return FB_OK;
 }
 #endif
@@ -31541,12 +31656,12 @@ static fb_status fbi_exact_steady_check(const fb_exact *m, const fb_exact_input 
 }
 
 /* [E10.11] Newton's method for a steady state: the beam moves as a rigid body with the twist of its base, under `part`
-   of the loads.
+   of the loads, its supports by the part `way` from where they are built to their places.
    Source: [L] 3.106.  Cost: E10.10 per iteration.  Fails: 25 iterations; neighboring nodes rotated by more than a
    radian against each other in one.
    Test: newton_converges_quadratically, steady_bend_of_an_arc_matches_the_published_tip. */
 static fb_status fbi_exact_newton(fb_exact_work *work, const fb_exact *m, const fb_real base_quat[4],
-                                  const fb_exact_input *input, fb_real part)
+                                  const fb_exact_input *input, fb_real part, fb_real way)
 {
   fb_status status = FB_OK;
   fb_real change = FB_R(1.0), before = FB_HUGE;
@@ -31555,6 +31670,7 @@ static fb_status fbi_exact_newton(fb_exact_work *work, const fb_exact *m, const 
   /* Steady motion; without angular velocity there are no inertia forces */
   work->motion = steady;
   fbi_exact_input_set(work, m, base_quat, input, part, FB_R(0.0));
+  fbi_exact_places_set(work, m, NULL, 0, input->support, input->n_support, way);
   work->motion.inertia = !fbi_is_zero(work->twist + 3, 3);
   fbi_zero(work->momentum, 6 * m->n);
   fbi_zero(work->velocity, 6 * (m->n + 1));
@@ -31580,12 +31696,14 @@ static fb_status fbi_exact_newton(fb_exact_work *work, const fb_exact *m, const 
   return status;
 }
 
-/* Load increments from the undeformed beam on, its joints at the given angles: a step that converges quickly doubles the
-   next, one that does not is quartered. */
+/* Load increments from the undeformed beam on, its joints at the given angles. Supports are brought to their places after
+   the first of them, so that a line that will be slack sags, and is never taut, before its ends approach. A step that
+   converges quickly doubles the next, one that does not is quartered. */
 static fb_status fbi_exact_increments(fb_exact_work *work, const fb_exact *m, const fb_real base_quat[4],
                                       const fb_exact_input *input)
 {
-  fb_real part = FB_R(0.0), step = FB_R(0.5);
+  const fb_real least = input->n_support > 0 ? FB_R(1e-7) : FB_R(1e-4);
+  fb_real load = FB_R(0.0), way = input->n_support > 0 ? FB_R(0.0) : FB_R(1.0), step = FB_R(0.5);
   fb_status status = FB_OK;
 
   /* Undeformed beam */
@@ -31599,21 +31717,23 @@ static fb_status fbi_exact_increments(fb_exact_work *work, const fb_exact *m, co
     fbi_exact_poses(work->state.r, work->state.quat, m, &work->state);
   }
 
-  /* Increments up to the full load */
-  while (part < FB_R(1.0)) {
-    const fb_real next = part + step < FB_R(0.999) ? part + step : FB_R(1.0);
+  /* Increments up to the full load, all the way */
+  while (load < FB_R(1.0) || way < FB_R(1.0)) {
+    const int moving = load > FB_R(0.0) && way < FB_R(1.0);
+    fb_real *const part = moving ? &way : &load;
+    const fb_real next = *part + step < FB_R(0.999) ? *part + step : FB_R(1.0);
     const int before = work->iterations;
     fbi_exact_pose_enter(work, &work->state, m);
-    status = fbi_exact_newton(work, m, base_quat, input, next);
+    status = fbi_exact_newton(work, m, base_quat, input, moving ? load : next, moving ? next : way);
     work->increments++;
     if (status == FB_OK) {
-      part = next;
+      *part = next;
       step *= work->iterations - before < 6 ? FB_R(2.0) : FB_R(1.0);
       fbi_exact_pose_copy(&work->state, work, m);
     } else {
       step *= FB_R(0.25);
     }
-    if (step < FB_R(1e-4) || work->increments > 500) {
+    if (step < least || work->increments > 500) {
       return status == FB_ERR_SINGULAR ? FB_ERR_SINGULAR : FB_ERR_CONVERGENCE;
     }
   }
@@ -31668,12 +31788,14 @@ FB_DEF fb_status fb_exact_trim(const fb_exact *m, fb_exact_state *state, fb_exac
   work->increments = 1;
   fbi_exact_pose_enter(work, state, m);
   fbi_copy(work->hold, state->angle, m->n_joint);
-  status = fbi_exact_newton(work, m, state->base_quat, input, FB_R(1.0));
+  status = fbi_exact_newton(work, m, state->base_quat, input, FB_R(1.0), FB_R(1.0));
   if (status != FB_OK) {
     status = fbi_exact_increments(work, m, state->base_quat, input);
   }
   if (status == FB_OK) {
     fbi_exact_rest(state, work, m);
+    state->n_support = 0;
+    fbi_exact_supports_keep(state, input->support, input->n_support, FB_R(1.0));
   }
   return status;
 }
@@ -33450,8 +33572,11 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
 #if FB_WITH_EXACT
 /* ---- paths of steady states */
 
-static void fbi_exact_loads_copy(fbi_exact_loads *to, const fb_exact_work *work, const fb_exact *m)
+static void fbi_exact_loads_copy(fbi_exact_loads *to, const fb_exact_work *work, const fb_exact *m,
+                                 const fb_exact_input *input)
 {
+  to->n_support = input->n_support;
+  memcpy(to->support, input->support, sizeof to->support);
   fbi_copy(to->line, work->line, 6 * m->n);
   fbi_copy(to->line_dead, work->line_dead, 6 * m->n);
   fbi_copy(to->offset, work->offset, 6 * m->n);
@@ -33467,7 +33592,7 @@ static void fbi_exact_sum(fb_real *x, const fb_real *a, fb_real factor, const fb
   }
 }
 
-/* Residuals under the constant loads and `factor` times the varied ones. */
+/* Residuals under the constant loads and `factor` times the varied ones and ways of supports. */
 static void fbi_exact_path_residual(fb_exact_path_work *w, const fb_exact *m, fb_real factor)
 {
   const fbi_exact_loads *const a = &w->constant, *const b = &w->varied;
@@ -33478,8 +33603,11 @@ static void fbi_exact_path_residual(fb_exact_path_work *w, const fb_exact *m, fb
   fbi_exact_sum(work->follower, a->follower, factor, b->follower, 6 * (m->n + 1));
   fbi_exact_sum(work->dead, a->dead, factor, b->dead, 6 * (m->n + 1));
   fbi_exact_sum(work->motor, a->motor, factor, b->motor, m->n_joint);
+  fbi_exact_places_set(work, m, a->support, a->n_support, b->support, b->n_support, factor);
   fbi_exact_nodes_eval(work, m);
   fbi_exact_residual(work, m);
+  fbi_zero(work->want, 6 * (m->n + 1));
+  fbi_exact_want(work, m, FB_R(0.0));
 }
 
 /* Loads of both inputs, and the steady motion of the base. */
@@ -33491,10 +33619,10 @@ static void fbi_exact_path_begin(fb_exact_path_work *w, const fb_exact *m, const
   int dead;
   work->motion = steady;
   fbi_exact_input_set(work, m, state->base_quat, varied, FB_R(1.0), FB_R(0.0));
-  fbi_exact_loads_copy(&w->varied, work, m);
+  fbi_exact_loads_copy(&w->varied, work, m, varied);
   dead = work->motion.dead;
   fbi_exact_input_set(work, m, state->base_quat, constant, FB_R(1.0), FB_R(0.0));
-  fbi_exact_loads_copy(&w->constant, work, m);
+  fbi_exact_loads_copy(&w->constant, work, m, constant);
   work->motion.dead |= dead;
   work->motion.inertia = !fbi_is_zero(work->twist + 3, 3);
   fbi_zero(work->momentum, 6 * m->n);
@@ -33510,15 +33638,16 @@ static fb_status fbi_exact_path_solve(fb_exact_path_work *w, const fb_exact *m, 
   fbi_exact_path_residual(w, m, factor + FB_R(1.0));
   fbi_copy(w->B, work->B, 6 * (m->n + 1));
   fbi_copy(w->c, work->c, 6 * m->n);
+  fbi_copy(w->want, work->want, 6 * (m->n + 1));
   fbi_exact_path_residual(w, m, factor);
-  fbi_exact_want(work, m, FB_R(0.0));
+  fbi_exact_sum(w->want, w->want, -FB_R(1.0), work->want, 6 * (m->n + 1));
   FBI_TRY(fbi_exact_factor(work, m));
   fbi_exact_solve(work, m);
   fbi_copy(w->dd, work->dd, 6 * (m->n + 1));
   fbi_copy(w->ds, work->ds, 6 * m->n);
   fbi_exact_sum(work->B, w->B, -FB_R(1.0), work->B, 6 * (m->n + 1));
   fbi_exact_sum(work->c, w->c, -FB_R(1.0), work->c, 6 * m->n);
-  fbi_zero(work->want, 6 * (m->n + 1));
+  fbi_copy(work->want, w->want, 6 * (m->n + 1));
   fbi_exact_solve(work, m);
   return FB_OK;
 }
@@ -33600,6 +33729,10 @@ FB_DEF fb_status fb_exact_path_step(const fb_exact *m, fb_exact_path *path, fb_e
   if (status != FB_OK) {
     return status;
   }
+  if (constant->n_support + varied->n_support > FB_MAX_LUMPS) {
+    return FBI_REFUSE(FB_ERR_CAPACITY, "n_support of both inputs, 0 to FB_MAX_LUMPS", -1,
+                      (fb_real)(constant->n_support + varied->n_support), FB_R(1.0) * FB_MAX_LUMPS);
+  }
   if (!fbi_is_finite(path->ahead, 6 * (m->n + 1)) || !fbi_is_number(path->factor) || !fbi_is_number(path->rise)) {
     return FB_ERR_NOT_FINITE;
   }
@@ -33625,6 +33758,9 @@ FB_DEF fb_status fb_exact_path_step(const fb_exact *m, fb_exact_path *path, fb_e
   if (status == FB_OK) {
     fbi_exact_path_residual(w, m, next.factor);
     fbi_exact_rest(state, &w->exact, m);
+    state->n_support = 0;
+    fbi_exact_supports_keep(state, constant->support, constant->n_support, FB_R(1.0));
+    fbi_exact_supports_keep(state, varied->support, varied->n_support, next.factor);
     next.unstable = w->exact.unstable;
     *path = next;
   }

@@ -18,7 +18,7 @@
   X(integrate_limits) X(integrate_implicit) X(integrate_order) X(integrate_stepper) X(integrate_lines) \
   X(system_trees) X(system_joints) X(system_loops) X(system_rows) X(system_steps) X(system_lines) X(system_machines) X(system_rotors) X(system_gravity) X(system_springs) X(system_moorings) X(system_friction) X(system_references) X(system_refusals) \
   X(line_kinematics) X(line_statics) X(line_motion) \
-  X(exact_statics) X(exact_motion) X(exact_joints) X(exact_branches) X(exact_flight) X(exact_spectrum) X(exact_linear) \
+  X(exact_statics) X(exact_motion) X(exact_joints) X(exact_branches) X(exact_supports) X(exact_flight) X(exact_spectrum) X(exact_linear) \
   X(analyse_body) X(analyse_rotors) X(analyse_steps) X(analyse_system) X(analyse_loops) X(analyse_lines) X(analyse_orbit) \
   X(advise_formulas) X(advise_search) X(advise_rotors) X(build)
 // clang-format on
