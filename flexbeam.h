@@ -3619,6 +3619,8 @@ struct fb_advice_work {
           converge with the step. fb_exact_desc.iterations is a bound: in double precision a step ends its corrections
           where the next would be rounding. Follower loads on elements that come at once move no node at once. Free beams on
           one line want inertia about it (FB_ERR_SINGULAR). Work structs are complete at the end of flexbeam.h.
+          Supports of exact beams move to places that the input names, fb_exact_input.support, in steps, steady states and
+          paths: slack lines are built straight (`move` in descriptions, motion displacement and rotation in scenes).
           Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included; measures
           the quadratic field by the lines, foresees exponential steps with large deflection (fb_envelope.smooth,
           .lasts, fb_advice.line_points), knows rotors (fb_envelope.rotor).

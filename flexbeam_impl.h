@@ -15827,7 +15827,7 @@ static void fbi_exact_places_set(fb_exact_work *work, const fb_exact *m, const f
                                  const fb_support_place *b, int n_b, fb_real part)
 {
   work->moved = n_a + n_b > 0;
-  for (int j = 1; j <= m->n && work->moved; j++) {
+  for (int j = 0; j <= m->n && work->moved; j++) {
     fb_real *const r = work->place_r + 3 * j, *const quat = work->place_quat + 4 * j;
     fbi_copy(r, m->r + 3 * j, 3);
     fbi_copy(quat, m->quat + 4 * j, 4);
@@ -15922,8 +15922,7 @@ static void fbi_exact_held_load(fb_real F[6], const fb_exact_work *work, const f
 static void fbi_exact_slip(fb_real y[6], const fb_exact_work *work, const fb_exact *m, int node)
 {
   const fb_real *const R = work->R + 9 * node, *const V = work->V + 6 * node, *const w = work->twist + 3;
-  const int moved = work->moved && node > 0;
-  const fb_real *const place = (moved ? work->place_r : m->r) + 3 * node, *const V_place = work->place_V + 6 * node;
+  const fb_real *const V_place = work->place_V + 6 * node;
   fb_real own[3], carried[3], r[3], turning[3];
 
   /* Position r */
@@ -15931,25 +15930,30 @@ static void fbi_exact_slip(fb_real y[6], const fb_exact_work *work, const fb_exa
   fbi_copy(carried, work->twist, 3);
   fbi_vec3_add_cross(carried, w, work->r + 3 * node);
   for (int i = 0; i < 3; i++) {
-    r[i] = m->held[node] >> i & 1 ? place[i] : work->r[3 * node + i] + work->motion.pose * (own[i] - carried[i]);
-    r[i] += moved && m->held[node] >> i & 1 ? work->motion.pose * V_place[i] : FB_R(0.0);
+    r[i] =
+        m->held[node] >> i & 1 ? m->r[3 * node + i] : work->r[3 * node + i] + work->motion.pose * (own[i] - carried[i]);
+  }
+  for (int i = 0; i < 3 && work->moved; i++) {
+    r[i] = m->held[node] >> i & 1 ? work->place_r[3 * node + i] + work->motion.pose * V_place[i] : r[i];
   }
 
   /* Relative velocity */
   fbi_copy(carried, work->twist, 3);
   fbi_vec3_add_cross(carried, w, r);
-  fbi_vec3_copy(turning, w);
-  if (moved) {
-    fbi_vec3_add(carried, FB_R(1.0), V_place);
-    fbi_vec3_add(turning, FB_R(1.0), V_place + 3);
-  }
   fbi_vec3_add(carried, -FB_R(1.0), own);
+  if (work->moved) {
+    fbi_vec3_add(carried, FB_R(1.0), V_place);
+  }
   fb_mat33_mulT_vec3(y, R, carried);
   if (fbi_exact_turned(m->held[node])) {
     fbi_copy(y, carried, 3);
   }
-  fb_mat33_mulT_vec3(y + 3, R, turning);
+  fb_mat33_mulT_vec3(y + 3, R, w);
   fbi_vec3_add(y + 3, -FB_R(1.0), V + 3);
+  if (work->moved) {
+    fb_mat33_mulT_vec3(turning, R, V_place + 3);
+    fbi_vec3_add(y + 3, FB_R(1.0), turning);
+  }
 }
 
 /* Rate at which held nodes come back to their places [1/time]: over the step; in short ones slower, so that the speed that
@@ -15998,8 +16002,10 @@ static fb_real fbi_exact_change(const fb_exact_work *work, const fb_exact *m, fb
       const fb_real apart = m->jointed[k] ? FB_R(0.0) : rounding / m->h[k] * S[7 * i];
       stress = fbi_larger(stress, FB_FABS(ds[i]) - apart);
       largest = fbi_larger(largest, FB_FABS(s[i]));
-      largest = work->moved ? fbi_larger(largest, FB_FABS(ds[i])) : largest;
     }
+  }
+  for (int i = 0; i < 6 * m->n && work->moved; i++) {
+    largest = fbi_larger(largest, FB_FABS(work->ds[i]));
   }
   if (!fbi_is_finite(work->dd, 6 * (m->n + 1)) || !fbi_is_finite(work->ds, 6 * m->n)) {
     return FB_HUGE;

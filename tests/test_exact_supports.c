@@ -55,6 +55,7 @@ TEST(slack_lines_hang_as_catenaries)
       desc.root = FB_END_PINNED | FB_HOLD_RX;
       desc.tip = FB_END_PINNED;
       desc.gravity[2] = -FB_R(1.0);
+      desc.position[0] = FB_R(0.5);
       tip = move_support(40);
       tip->displacement[0] = (fb_real)(end[run][0] - 1.0);
       tip->displacement[2] = (fb_real)end[run][1];
@@ -62,7 +63,7 @@ TEST(slack_lines_hang_as_catenaries)
       FBT_INT_EQ(work.unstable, 0);
       pull[thin] = distance(node[40].reaction_force, 0.0, 0.0, 0.0);
       for (int k = 0; k <= 40; k++) {
-        place[thin][k][0] = (double)node[k].position[0];
+        place[thin][k][0] = (double)node[k].position[0] - 0.5;
         place[thin][k][1] = (double)node[k].position[2];
       }
     }

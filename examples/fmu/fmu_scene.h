@@ -186,7 +186,7 @@ static void fmu_scene_add_motion(fmu_plant *p, scene_motion *motion)
                                          {"rate.base", "angular_acceleration.base"}};
   static const char *const unit[2][2] = {{"m/s", "m/s^2"}, {"rad/s", "rad/s^2"}};
   const double *const x = motion->vector, size = hypot(hypot(x[0], x[1]), x[2]);
-  for (int rate = 0; rate < 2 && size > 0; rate++) {
+  for (int rate = 0; rate < 2 && size > 0 && !motion->support; rate++) { /* a place would jump with each call */
     fmu_scene_add_input(p, &motion->f, size, name[motion->rate][rate], unit[motion->rate][rate]);
     p->input[p->n_input - 1].is_rate = rate;
   }

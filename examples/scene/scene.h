@@ -298,17 +298,39 @@ static void scene_read_distributed(text_file *t, scene *s)
   s->n_distributed++;
 }
 
-/* motion velocity|rate X Y Z [FUNCTION] */
+/* What holds an exact beam at the node that follows is moved along x y z. */
+static void scene_read_support(text_file *t, const scene *s, scene_motion *motion)
+{
+  double x[6] = {0};
+  int body;
+  scene_read_node(t, s, &body, &motion->node);
+  text_vector(t, motion->rate ? "rotation" : "displacement", motion->vector, 3);
+  memcpy(x + 3 * motion->rate, motion->vector, sizeof motion->vector);
+  if (!s->is_exact) {
+    text_fail(t, "displacement and rotation are of supports of an exact beam; a base moves by velocity and rate");
+  } else if (!t->failed) {
+    exact_check_move(t, &s->exact, s->body[body].element_node[motion->node], x);
+  }
+}
+
+/* motion velocity|rate X Y Z [FUNCTION], motion displacement|rotation BODY.NODE X Y Z [FUNCTION] */
 static void scene_read_motion(text_file *t, scene *s)
 {
-  static const char *const kinds[] = {"velocity", "rate", NULL};
+  static const char *const kinds[] = {"velocity", "rate", "displacement", "rotation", NULL};
+  int kind;
   scene_motion *const motion = &s->motion[s->n_motion];
   if (s->n_motion == SCENE_MOTIONS) {
     text_fail(t, "more than %d lines of motion", SCENE_MOTIONS);
     return;
   }
-  motion->rate = text_choice(t, "motion of the base", kinds);
-  text_vector(t, kinds[motion->rate], motion->vector, 3);
+  kind = text_choice(t, "motion of the base, or of a support", kinds);
+  motion->rate = kind % 2;
+  motion->support = kind > 1;
+  if (motion->support) {
+    scene_read_support(t, s, motion);
+  } else {
+    text_vector(t, kinds[kind], motion->vector, 3);
+  }
   motion->f = scene_read_function(t, s);
   s->n_motion++;
 }

@@ -205,16 +205,35 @@ static void exact_add_loads(const scene *s, int nudges, double t, double side)
   }
 }
 
-/* What acts at t. */
-static void exact_input(const scene *s, double t, double side)
+/* Where supports are at t, of the pieces that hold `side`. */
+static void exact_add_places(const scene *s, double t, double side)
+{
+  fb_exact_input *const input = &exact_run.input;
+  for (int k = 0; k < s->n_motion; k++) {
+    const scene_motion *const m = &s->motion[k];
+    if (m->support) {
+      fb_support_place *const place = &input->support[input->n_support++];
+      const double f = function_eval(&m->f, &s->tables, t, side).value;
+      memset(place, 0, sizeof *place);
+      place->node = s->body[0].element_node[m->node];
+      for (int i = 0; i < 3; i++) {
+        (m->rate ? place->rotation : place->displacement)[i] = (fb_real)(f * m->vector[i]);
+      }
+    }
+  }
+}
+
+/* What acts at t, supports at their places of `end`. */
+static void exact_input(const scene *s, double t, double side, double end)
 {
   fb_exact_input *const input = &exact_run.input;
   *input = s->exact.input;
   exact_add_loads(s, 0, t, side);
+  exact_add_places(s, end, side);
   for (int k = 0; k < s->n_motion; k++) {
     const scene_motion *const m = &s->motion[k];
     const double f = function_eval(&m->f, &s->tables, t, side).value;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3 && !m->support; i++) {
       (m->rate ? input->w : input->v)[i] += (fb_real)(f * m->vector[i]);
     }
   }
@@ -223,7 +242,7 @@ static void exact_input(const scene *s, double t, double side)
 /* Loads and motion at the start. */
 static void exact_start_input(const scene *s)
 {
-  exact_input(s, 0, 0);
+  exact_input(s, 0, 0, 0);
   for (int i = 0; i < 3; i++) {
     exact_run.input.v[i] += (fb_real)s->body[0].velocity[i];
     exact_run.input.w[i] += (fb_real)s->body[0].spin[i];
@@ -296,7 +315,7 @@ static fb_status exact_start(const scene *s)
 
 static fb_status exact_step(const scene *s, double t, double dt)
 {
-  exact_input(s, t + 0.5 * dt, t + 0.5 * dt);
+  exact_input(s, t + 0.5 * dt, t + 0.5 * dt, t + dt);
   return fb_exact_step(&exact_run.beam, &exact_run.state, &exact_run.work, &exact_run.input, (fb_real)dt);
 }
 
@@ -438,7 +457,7 @@ static fb_status exact_spectrum(const scene *s, int count)
 {
   const int more = count < FB_EXACT_MODES ? count + 1 : count;
   fb_status status;
-  exact_input(s, 0, 0);
+  exact_input(s, 0, 0, 0);
   status = fb_exact_spectrum_solve(&exact_run.beam, &exact_run.spectrum_work, &exact_run.spectrum, &exact_run.state,
                                    &exact_run.input, more);
   return status == FB_OK || more == count

@@ -94,6 +94,7 @@ typedef struct scene_distributed { /* along the beam of a body, per length: vect
 
 typedef struct scene_motion { /* of a prescribed base, body axes */
   int rate;                   /* [rad/s], else a velocity [m/s] */
+  int support, node;          /* of what holds an exact beam at a node: rotation [rad], else displacement [m] */
   double vector[3];
   function f;
 } scene_motion;

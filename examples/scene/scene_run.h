@@ -350,7 +350,7 @@ static int scene_base_motion(const scene *s)
 {
   int moves = s->is_exact ? scene_moves(s->exact.input.w) + 2 * scene_moves(s->exact.input.v) : 0;
   for (int k = 0; k < s->n_motion; k++) {
-    moves |= s->motion[k].rate ? 1 : 2;
+    moves |= s->motion[k].support ? 0 : s->motion[k].rate ? 1 : 2;
   }
   return moves;
 }
@@ -827,6 +827,9 @@ static void scene_warn_exact(scene *s, FILE *warn)
   for (int k = 0; k < s->exact.n_support; k++) {
     scene_warn_placed(s, "a support", &s->exact.support_at[k], s->exact.desc.support[k].node, warn);
   }
+  for (int k = 0; k < s->exact.n_move; k++) {
+    scene_warn_placed(s, "a support that is moved", &s->exact.move_at[k], s->exact.input.support[k].node, warn);
+  }
 }
 
 /* An exact beam takes forces at its nodes, of which the origin of its body is one where it begins there. */
@@ -834,9 +837,22 @@ static int scene_check_exact(scene *s)
 {
   const fb_real *const at = s->exact.desc.position;
   const int elsewhere = FB_FABS(at[0]) + FB_FABS(at[1]) + FB_FABS(at[2]) > 0;
+  int moved = s->exact.n_move, begins = moved > 0;
   if (s->exact.input.n_load + s->n_load > FB_MAX_LOADS) {
     return scene_fail(s, "body %s of line %d: more than %d loads, those of the body among them", s->body[0].name,
                       s->body[0].line, FB_MAX_LOADS);
+  }
+  for (int k = 0; k < s->n_motion; k++) {
+    moved += s->motion[k].support;
+    begins |= s->motion[k].support && function_eval(&s->motion[k].f, &s->tables, 0, 0).value != 0;
+  }
+  if (moved > FB_MAX_LUMPS) {
+    return scene_fail(s, "body %s of line %d: more than %d moves of supports, by `move` and `motion`", s->body[0].name,
+                      s->body[0].line, FB_MAX_LUMPS);
+  }
+  if (begins && !s->trim) {
+    return scene_fail_at(s, s->exact.n_move > 0 ? s->exact.move_line[0] : s->body[0].line,
+                         "supports that are not where they are built at the start want a line trim");
   }
   for (int k = 0; k < s->n_load && elsewhere; k++) {
     if (s->load[k].node == 0 && !s->load[k].torque) {

@@ -162,7 +162,7 @@ static void seen_find_causes(const scene *s)
     seen_add_actor(s, SCENE_BY_ROTOR, k, &s->rotor[k].f, s->rotor[k].act);
   }
   for (int k = 0; k < s->n_motion; k++) {
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3 && !s->motion[k].support; i++) {
       const fb_port port = {s->motion[k].rate ? FB_PORT_BASE_RATE : FB_PORT_BASE_VELOCITY, 0, 0, i, FB_AXES_BODY};
       seen_add_cause(s, port, s->motion[k].vector[i], &s->motion[k].f);
     }

@@ -18,9 +18,10 @@ typedef struct exact_text { /* what was read; places want the whole file before 
   int station_line[FB_MAX_STATIONS];
   char doubt[SECTION_DOUBT + 64]; /* the first section of no material in SI units; empty: none */
   int on;                         /* line that the words are of: 0 the chain, else that branch */
-  int n_station, n_load, n_line, n_support, n_lump, n_joint;
+  int n_station, n_load, n_line, n_support, n_lump, n_joint, n_move;
   exact_spot load_at[FB_MAX_LOADS], support_at[FB_MAX_LUMPS], lump_at[FB_MAX_LUMPS], joint_at[FB_MAX_LUMPS];
-  exact_spot branch_at[FB_MAX_LUMPS];
+  exact_spot branch_at[FB_MAX_LUMPS], move_at[FB_MAX_LUMPS];
+  int move_line[FB_MAX_LUMPS];
   int joint_node[FB_MAX_LUMPS];       /* without joints, along its line */
   int elements[FB_MAX_LUMPS + 1];     /* of the lines, without joints */
   int first[FB_MAX_LUMPS + 1], n_all; /* node x = 0 of a line; numbers of all elements */
@@ -236,6 +237,23 @@ static void exact_joint(text_file *t, exact_text *m)
   m->n_joint++;
 }
 
+/* move X|tip DX DY DZ [RX RY RZ]: of what holds the beam there */
+static void exact_move(text_file *t, exact_text *m)
+{
+  fb_support_place *const place = &m->input.support[m->n_move];
+  if (m->n_move == FB_MAX_LUMPS) {
+    text_fail(t, "more than %d moves of supports", FB_MAX_LUMPS);
+    return;
+  }
+  m->move_line[m->n_move] = t->line;
+  m->move_at[m->n_move].on = m->on;
+  m->move_at[m->n_move++].x = text_take(t, "tip") ? HUGE_VAL : text_number(t, "x of the support, or tip");
+  text_reals(t, "displacement x y z", place->displacement, 3);
+  for (int i = 0, turns = text_more(t); i < 3 && turns; i++) {
+    place->rotation[i] = (fb_real)text_degrees(t, "rotation vector x y z in degrees");
+  }
+}
+
 /* Loads, supports, lumps and joints, which name places; 0 if it is none of them. */
 static int exact_place(text_file *t, exact_text *m, const char *word)
 {
@@ -265,6 +283,8 @@ static int exact_place(text_file *t, exact_text *m, const char *word)
     }
     m->support_at[m->n_support] = exact_spot_read(t, m, "x of the support");
     m->desc.support[m->n_support++].held = exact_end(t);
+  } else if (strcmp(word, "move") == 0) {
+    exact_move(t, m);
   } else if (strcmp(word, "lump") == 0) {
     exact_lump(t, m);
   } else if (strcmp(word, "joint") == 0) {
@@ -601,6 +621,50 @@ static void exact_curve_stations(text_file *t, exact_text *m)
   m->desc.length = (fb_real)all;
 }
 
+/* Components that are held at a node. */
+static int exact_held(const exact_text *m, int node)
+{
+  int held = node == m->desc.n_element ? m->desc.tip : 0;
+  for (int k = 0; k < m->desc.n_support; k++) {
+    held |= m->desc.support[k].node == node ? m->desc.support[k].held : 0;
+  }
+  return held & FB_END_CLAMPED;
+}
+
+/* A node whose support is moved by x: it is one beyond the root, held in what it is moved along. */
+static void exact_check_move(text_file *t, const exact_text *m, int node, const double x[6])
+{
+  static const char *const axes[6] = {"x", "y", "z", "rx", "ry", "rz"};
+  const int held = exact_held(m, node);
+  if (node == 0) {
+    text_fail(t, "the root is held by its base: `position` places it, motion of the base moves it");
+  } else if (held == 0) {
+    text_fail(t, "nothing holds the beam there: a line `support X END` or `tip END` does");
+  }
+  for (int i = 0; i < 6; i++) {
+    if (x[i] != 0 && !(held >> i & 1)) {
+      text_fail(t, "%s is not held there and cannot be moved: hold it, or 0", axes[i]);
+    }
+  }
+}
+
+/* The node of a line that moves a support; refusals name that line. */
+static void exact_move_place(text_file *t, exact_text *m, int k)
+{
+  fb_support_place *const place = &m->input.support[k];
+  const int line = t->line;
+  exact_spot at = m->move_at[k];
+  double x[6];
+  for (int i = 0; i < 6; i++) {
+    x[i] = (double)(i < 3 ? place->displacement[i] : place->rotation[i - 3]);
+  }
+  t->line = m->move_line[k];
+  at.x = fmin(at.x, exact_length(m, at.on));
+  place->node = exact_nearest(t, m, &at, "a support that is moved");
+  exact_check_move(t, m, place->node, x);
+  t->line = line;
+}
+
 /* Places to nodes, now that length and elements are known. */
 static void exact_places(text_file *t, exact_text *m)
 {
@@ -632,6 +696,10 @@ static void exact_places(text_file *t, exact_text *m)
   }
   for (int k = 0; k < m->n_support; k++) {
     m->desc.support[k].node = exact_nearest(t, m, &m->support_at[k], "a support");
+  }
+  m->input.n_support = m->n_move;
+  for (int k = 0; k < m->n_move; k++) {
+    exact_move_place(t, m, k);
   }
   for (int k = 0; k < m->n_lump; k++) {
     m->desc.lump[k].node = exact_nearest(t, m, &m->lump_at[k], "a lump");

@@ -541,6 +541,60 @@ END
 exact 1 "an exact beam has no modes" << END
   start_mode 2 1
 END
+# supports that move: beyond the root, held in that direction, from where they are built or from a steady state
+exact 2 "nothing holds the beam there" << END
+  node tip
+  move 0.5 0 0 0.1
+END
+exact 2 "the root is held by its base" << END
+  tip z
+  move 0 0 0 0.1
+END
+exact 3 "x is not held there and cannot be moved" << END
+  tip z
+  node tip
+  move tip 0.1 0 0
+END
+exact 2 "rotation vector x y z in degrees is missing" << END
+  tip clamped
+  move tip 0.1 0 0 10
+END
+exact 2 "displacement x y z, number 3 of 3 is missing" << END
+  tip clamped
+  move tip 0.1 0
+END
+refuse 7 "supports that are not where they are built at the start want a line trim" << END
+body a exact
+  length 1
+  station 0
+  stiffness 0 0 0 0 0 1
+  mass 1
+  tip z
+  move tip 0 0 0.1
+end
+duration 1
+END
+# motion LINE REASON < FILE: line 1 is behind that beam, whose tip is held along z
+motion() {
+  { printf 'body a exact\n  length 1\n  station 0\n  stiffness 0 0 0 0 0 1\n  mass 1\n  tip z\n  node 0.5 mid\n  node tip tip\nend\nduration 1\n'; cat; } > "$out/motion.txt"
+  refuse $(($1 + 10)) "$2" < "$out/motion.txt"
+}
+motion 1 "y is not held there and cannot be moved" << END
+motion displacement a.tip 0 1 0
+END
+motion 1 "rz is not held there and cannot be moved" << END
+motion rotation a.tip 0 0 1
+END
+motion 1 "nothing holds the beam there" << END
+motion displacement a.mid 0 0 1
+END
+motion 1 "the root is held by its base" << END
+motion displacement a 0 0 1
+END
+refuse 10 "displacement and rotation are of supports of an exact beam" << END
+$beam
+motion displacement beam 0 0 1
+END
 exact 1 "auto is that of bodies with modes" << END
   auto 0.1
 END
