@@ -1838,7 +1838,8 @@ FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
    that is held alone the rate is held, no place. Steps may differ; one that is longer than the one before damps with
    order 1. Where supports are moved the input has their places at the end of the step, to which they go at a constant
    rate; their work, sum of reaction times velocity of fb_exact_node, is what the energy grows by. Motion that begins
-   with a velocity, or a jump, is an impact that rings without dissipation. Bounded work: desc.factorizations, as many evaluations and at most desc.iterations more, in double precision
+   with a velocity, or a jump, is an impact that rings without dissipation; FB_ERR_VALUE: a turn of 3 rad in a step.
+   Bounded work: desc.factorizations, as many evaluations and at most desc.iterations more, in double precision
    until the next correction would be rounding, three or four as a rule. One factorization, at the extrapolated state,
    does for all but a stiff beam that is held along its line at two places and bends much between them in a step: its
    stretch is quadratic in that, and the iteration contracts slowly. EI = 100 N m^2, 10 m, clamped and pinned at 4 m,
@@ -2666,8 +2667,8 @@ FB_API fb_status fb_form_step(const fb_form_body *formed, fb_state *state, fb_fo
 /* Steady state under constant loads, gravity and motion of the base (at rest or in steady rotation; loads that do not
    rotate with a spinning base are taken in their present direction). state is the first guess; if Newton's method does
    not converge from it, load increments are applied to the undeformed beam, and increments of the way of its supports
-   under the first of them: so slack lines (moorings, cables), built straight, get to their ends. At most 500 increments
-   of 25 iterations.
+   under the first of them, straight there: so slack lines (moorings, cables), built straight, get to their ends. Where
+   that way would buckle go another from state to state. At most 500 increments of 25 iterations.
    A driven joint keeps the angle of the state, which may be set; the undeformed beam has its joints at those angles.
    Beyond a buckling load there are several steady states. work->unstable is the number of unstable directions of this
    one, the negative eigenvalues of the tangent stiffness (E10.20): 0 is stable, k > 0 as where k buckling loads are

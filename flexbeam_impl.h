@@ -15837,6 +15837,23 @@ static void fbi_exact_places_set(fb_exact_work *work, const fb_exact *m, const f
   }
 }
 
+#define FBI_EXACT_TURN FB_R(3.0) /* [rad] beyond half a turn the other way round is shorter */
+/* [rad] What supports turn by from one list to the other at most, by their rotation vectors: whole turns count. */
+static fb_real fbi_exact_places_turn(const fb_exact *m, const fb_support_place *a, int n_a, const fb_support_place *b,
+                                     int n_b)
+{
+  fb_real most = FB_R(0.0);
+  for (int j = 1; j <= m->n && n_a + n_b > 0; j++) {
+    fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    for (int k = 0; k < n_a + n_b; k++) {
+      const fb_support_place *const s = k < n_a ? &a[k] : &b[k - n_a];
+      fbi_vec3_add(turn, s->node != j ? FB_R(0.0) : k < n_a ? -FB_R(1.0) : FB_R(1.0), s->rotation);
+    }
+    most = fbi_larger(most, fbi_vec3_norm(turn));
+  }
+  return most;
+}
+
 /* [E10.30] Twists with which supports get to the places of the input within a step, constant in it, relative to the base
    and in its axes: from the places of the state, displacement/step and the rotation vector from the one attitude to the
    other/step.
@@ -21048,6 +21065,12 @@ FB_DEF fb_status fb_exact_step(const fb_exact *m, fb_exact_state *state, fb_exac
   FBI_TRY(fbi_exact_input_check(m, middle));
   if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
     return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
+  }
+  if (state->n_support + middle->n_support > 0) {
+    const fb_real turn = fbi_exact_places_turn(m, state->support, state->n_support, middle->support, middle->n_support);
+    if (!(turn < FBI_EXACT_TURN)) {
+      return FBI_REFUSE(FB_ERR_VALUE, "support: rotation in a step [rad], below", -1, turn, FBI_EXACT_TURN);
+    }
   }
 
   /* Residual and factors at mid-step */
@@ -31709,6 +31732,7 @@ static fb_status fbi_exact_increments(fb_exact_work *work, const fb_exact *m, co
                                       const fb_exact_input *input)
 {
   const fb_real least = input->n_support > 0 ? FB_R(1e-7) : FB_R(1e-4);
+  const fb_real turn = fbi_exact_places_turn(m, NULL, 0, input->support, input->n_support);
   fb_real load = FB_R(0.0), way = input->n_support > 0 ? FB_R(0.0) : FB_R(1.0), step = FB_R(0.5);
   fb_status status = FB_OK;
 
@@ -31727,6 +31751,7 @@ static fb_status fbi_exact_increments(fb_exact_work *work, const fb_exact *m, co
   while (load < FB_R(1.0) || way < FB_R(1.0)) {
     const int moving = load > FB_R(0.0) && way < FB_R(1.0);
     fb_real *const part = moving ? &way : &load;
+    step = moving && step * turn > FB_R(1.0) ? FB_R(1.0) / turn : step;
     const fb_real next = *part + step < FB_R(0.999) ? *part + step : FB_R(1.0);
     const int before = work->iterations;
     fbi_exact_pose_enter(work, &work->state, m);
@@ -31781,6 +31806,7 @@ FB_DEF fb_status fb_exact_trim(const fb_exact *m, fb_exact_state *state, fb_exac
 {
   /* Check the arguments */
   fb_status status;
+  fb_real turn;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
   input = input ? input : fbi_exact_no_input(work);
   status = fb_exact_state_check(m, state);
@@ -31794,7 +31820,9 @@ FB_DEF fb_status fb_exact_trim(const fb_exact *m, fb_exact_state *state, fb_exac
   work->increments = 1;
   fbi_exact_pose_enter(work, state, m);
   fbi_copy(work->hold, state->angle, m->n_joint);
-  status = fbi_exact_newton(work, m, state->base_quat, input, FB_R(1.0), FB_R(1.0));
+  turn = fbi_exact_places_turn(m, state->support, state->n_support, input->support, input->n_support);
+  status = turn < FBI_EXACT_TURN ? fbi_exact_newton(work, m, state->base_quat, input, FB_R(1.0), FB_R(1.0))
+                                 : FB_ERR_CONVERGENCE;
   if (status != FB_OK) {
     status = fbi_exact_increments(work, m, state->base_quat, input);
   }
@@ -33598,7 +33626,7 @@ static void fbi_exact_sum(fb_real *x, const fb_real *a, fb_real factor, const fb
   }
 }
 
-/* Residuals under the constant loads and `factor` times the varied ones and ways of supports. */
+/* Residuals under the constant loads and `factor` times the varied ones. */
 static void fbi_exact_path_residual(fb_exact_path_work *w, const fb_exact *m, fb_real factor)
 {
   const fbi_exact_loads *const a = &w->constant, *const b = &w->varied;
@@ -33609,11 +33637,17 @@ static void fbi_exact_path_residual(fb_exact_path_work *w, const fb_exact *m, fb
   fbi_exact_sum(work->follower, a->follower, factor, b->follower, 6 * (m->n + 1));
   fbi_exact_sum(work->dead, a->dead, factor, b->dead, 6 * (m->n + 1));
   fbi_exact_sum(work->motor, a->motor, factor, b->motor, m->n_joint);
-  fbi_exact_places_set(work, m, a->support, a->n_support, b->support, b->n_support, factor);
   fbi_exact_nodes_eval(work, m);
   fbi_exact_residual(work, m);
-  fbi_zero(work->want, 6 * (m->n + 1));
-  fbi_exact_want(work, m, FB_R(0.0));
+}
+
+/* What held nodes are off by, of the poses there. */
+static void fbi_exact_path_want(fb_exact_path_work *w, const fb_exact *m, fb_real factor)
+{
+  const fbi_exact_loads *const a = &w->constant, *const b = &w->varied;
+  fbi_exact_places_set(&w->exact, m, a->support, a->n_support, b->support, b->n_support, factor);
+  fbi_zero(w->exact.want, 6 * (m->n + 1));
+  fbi_exact_want(&w->exact, m, FB_R(0.0));
 }
 
 /* Loads of both inputs, and the steady motion of the base. */
@@ -33640,13 +33674,18 @@ static void fbi_exact_path_begin(fb_exact_path_work *w, const fb_exact *m, const
    in dd and ds of w->exact. */
 static fb_status fbi_exact_path_solve(fb_exact_path_work *w, const fb_exact *m, fb_real factor)
 {
+  const fb_real part = FB_R(0.01); /* of the factor, by which supports turn little */
   fb_exact_work *const work = &w->exact;
   fbi_exact_path_residual(w, m, factor + FB_R(1.0));
   fbi_copy(w->B, work->B, 6 * (m->n + 1));
   fbi_copy(w->c, work->c, 6 * m->n);
+  fbi_exact_path_want(w, m, factor + part);
   fbi_copy(w->want, work->want, 6 * (m->n + 1));
   fbi_exact_path_residual(w, m, factor);
-  fbi_exact_sum(w->want, w->want, -FB_R(1.0), work->want, 6 * (m->n + 1));
+  fbi_exact_path_want(w, m, factor);
+  for (int i = 0; i < 6 * (m->n + 1); i++) {
+    w->want[i] = (w->want[i] - work->want[i]) / part;
+  }
   FBI_TRY(fbi_exact_factor(work, m));
   fbi_exact_solve(work, m);
   fbi_copy(w->dd, work->dd, 6 * (m->n + 1));

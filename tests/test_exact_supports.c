@@ -95,23 +95,38 @@ TEST(settled_and_turned_supports_pull_as_in_closed_form)
   FBT_NEAR_REL(node[10].reaction_force[2], 2e-3 / (8.0 / (48.0 * 100.0) + 2.0 / (4.0 * 1e6)), FBT_TOL(1e-5, 1e-3));
   FBT_NEAR_REL(node[10].displacement[2], 2e-3, FBT_TOL(1e-9, 1e-4));
 
-  beam(2.0, 20, stiffness, NULL);
-  desc.tip = FB_END_CLAMPED;
-  place = move_support(20);
-  place->displacement[0] = (fb_real)(r - 2.0);
-  place->displacement[1] = (fb_real)r;
-  place->rotation[2] = (fb_real)(0.5 * pi);
-  settle();
-  FBT_NEAR_REL(node[20].reaction_moment[2], 25.0 * pi, FBT_TOL(1e-6, 1e-3));
-  FBT_ZERO(fbt_largest(node[20].reaction_force, 3), 100.0, FBT_TOL(1e-6, 1e-2));
-  FBT_NEAR_ABS(distance(node[10].position, r * sin(0.25 * pi), r * (1.0 - cos(0.25 * pi)), 0.0), 0.0,
-               FBT_TOL(1e-6, 1e-4));
+  for (int hinged = 1; hinged >= 0; hinged--) { /* about its line */
+    beam(2.0, 20, stiffness, NULL);
+    desc.tip = hinged ? FB_END_CLAMPED & ~FB_HOLD_RX : FB_END_CLAMPED;
+    settle();
+    place = move_support(20);
+    for (int k = 1; k <= 8; k++) { /* on the way of arcs: straight there it would buckle */
+      const double angle = 0.0625 * pi * k;
+      place->displacement[0] = (fb_real)(2.0 * sin(angle) / angle - 2.0);
+      place->displacement[1] = (fb_real)(2.0 * (1.0 - cos(angle)) / angle);
+      place->rotation[2] = (fb_real)angle;
+      FBT_INT_EQ(fb_exact_trim(&exact, &state, &work, &input), FB_OK);
+    }
+    FBT_INT_EQ(work.unstable, 0);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
+    FBT_NEAR_REL(node[20].reaction_moment[2], 25.0 * pi, FBT_TOL(1e-6, 1e-3));
+    FBT_ZERO(fbt_largest(node[20].reaction_force, 3), 100.0, FBT_TOL(1e-6, 1e-2));
+    FBT_NEAR_ABS(distance(node[10].position, r * sin(0.25 * pi), r * (1.0 - cos(0.25 * pi)), 0.0), 0.0,
+                 FBT_TOL(1e-6, 1e-4));
+  }
 
-  input.n_support = 0;
-  memset(input.support, 0, sizeof input.support);
-  move_support(20)->rotation[0] = FB_R(2.5);
-  settle();
-  FBT_NEAR_REL(node[20].reaction_moment[0], 35.0 * 2.5, FBT_TOL(1e-6, 1e-3));
+  for (int turns = 0; turns < 3; turns++) { /* whole ones count */
+    const double angle = 2.5 + 2.0 * pi * turns;
+    input.n_support = 0;
+    memset(input.support, 0, sizeof input.support);
+    move_support(20)->rotation[0] = (fb_real)angle;
+    settle();
+    FBT_NEAR_REL(node[20].reaction_moment[0], 35.0 * angle, FBT_TOL(1e-6, 1e-3));
+  }
+  FBT_INT_EQ(fb_exact_trim(&exact, &state, &work, &input), FB_OK); /* from there, not from the short way round */
+  FBT_INT_EQ(work.increments, 1);
+  FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
+  FBT_NEAR_REL(node[20].reaction_moment[0], 35.0 * (2.5 + 4.0 * pi), FBT_TOL(1e-6, 1e-3));
 }
 
 /* E10.30, E12.4: the frequencies of a beam between hinges that is drawn taut by its tip are those of a tension EA
@@ -333,6 +348,14 @@ TEST(places_of_nothing_are_refused)
     FBT_INT_EQ(fb_exact_trim(&exact, &state, &work, &input), refused);
     FBT_TRUE(memcmp(&before, &state, sizeof state) == 0);
   }
+  input.n_support = 0;
+  desc.tip = FB_END_CLAMPED;
+  desc.station[0].stiffness[7] = desc.station[0].stiffness[14] = FB_R(100.0);
+  settle();
+  before = state;
+  move_support(4)->rotation[0] = FB_R(3.1); /* or the other way round? */
+  FBT_INT_EQ(fb_exact_step(&exact, &state, &work, &input, FB_R(0.01)), FB_ERR_VALUE);
+  FBT_TRUE(memcmp(&before, &state, sizeof state) == 0);
   state.n_support = FB_MAX_LUMPS + 1;
   FBT_INT_EQ(fb_exact_state_check(&exact, &state), FB_ERR_CAPACITY);
 }

@@ -20,6 +20,7 @@ static const fbl_feature features[] = {
     {"start", {"bent", "straight"}},
     {"waves", {"shared", "box"}},
     {"damping", {"none", "equal", "own"}},
+    {"support", {"built", "+moved"}},
 };
 enum {
   BASE,
@@ -39,7 +40,8 @@ enum {
   NEWTON,
   START,
   WAVES,
-  DAMPING
+  DAMPING,
+  SUPPORT
 };
 enum { CLAMPED, MOVING, FREE };
 enum { UNIFORM, TAPER, TWIST, CENTERS, FULL };
@@ -90,6 +92,9 @@ static void legal(int *level)
   }
   if (level[HELD] == HINGED && level[JOINT] == LOOSE) {
     level[HELD] = ROOT;
+  }
+  if (level[HELD] == ROOT || level[START]) { /* nothing that moves; a jump from the undeformed beam */
+    level[SUPPORT] = 0;
   }
   if (level[RIGID] == 2 && level[CURVATURE]) { /* rigid in directions that are no axes */
     level[DAMPING] = level[DAMPING] > 0;
@@ -518,6 +523,15 @@ static void input_draw(void)
   if (now[BASE] != CLAMPED) {
     fbl_polar(input.v, v[0], v[1], v[2], 0, 1, -1);
     fbl_axial(input.w, w[0], w[1], w[2], 0, 0, -1);
+  }
+  fbl_stream("support");
+  if (now[SUPPORT]) {
+    const int held = desc.support[0].held;
+    vector_draw(v, amplitude * 2e-3 * drawn.length[0]);
+    input.n_support = 1;
+    input.support[0].node = desc.support[0].node;
+    fbl_polar(input.support[0].displacement, held & FB_HOLD_X ? v[0] : 0.0, held & FB_HOLD_Y ? v[1] : 0.0,
+              held & FB_HOLD_Z ? v[2] : 0.0, 0, 1, 0);
   }
   fbl_stream("motor");
   if (now[JOINT] == MOTOR || now[JOINT] == LOOSE) {
@@ -1195,6 +1209,9 @@ static fb_status pulse(fb_exact_state *at, int count, double duration)
         input.line[e].torque[i] = (fb_real)(push * (double)whole.line[e].torque[i]);
       }
     }
+    for (int i = 0; i < 3; i++) {
+      input.support[0].displacement[i] = (fb_real)(push * (double)whole.support[0].displacement[i]);
+    }
     for (int j = 0; j < beam.n_joint; j++) {
       input.motor[j] = (fb_real)(push * (double)whole.motor[j]);
     }
@@ -1232,6 +1249,13 @@ static double order_of_steps(double h)
   return off / (coarse + 1e-9 * length_of());
 }
 
+/* [m] Component of a node's displacement from where its support is. */
+static double off_place(const fb_exact_node *at, int k, int i)
+{
+  const int moved = input.n_support > 0 && input.support[0].node == k;
+  return (double)at->displacement[i] - (moved ? (double)input.support[0].displacement[i] : 0.0);
+}
+
 /* What is held stays in its place, and nothing else has a reaction. */
 static double holds_of(double h)
 {
@@ -1243,7 +1267,7 @@ static double holds_of(double h)
       miss = larger(miss, fbl_largest(b->reaction_force, 3) + fbl_largest(b->reaction_moment, 3));
     }
     for (int i = 0; i < 3; i++) {
-      const double off = beam.held[k] >> i & 1 ? fabs((double)b->displacement[i]) / length_of() : 0.0;
+      const double off = beam.held[k] >> i & 1 ? fabs(off_place(b, k, i)) / length_of() : 0.0;
       miss = larger(miss, k == 0 && off > 0.0 ? 1.0 : off); /* the root exactly */
     }
   }
@@ -1553,7 +1577,7 @@ static double off_holds(const look *at)
   double most = 0.0;
   for (int i = 0; i < 6 * (beam.n + 1); i++) {
     const fb_exact_node *const node = &at->node[i / 6];
-    const double off = i % 6 < 3 ? (double)node->displacement[i % 6] / length_of() : (double)node->rotation[i % 6 - 3];
+    const double off = i % 6 < 3 ? off_place(node, i / 6, i % 6) / length_of() : (double)node->rotation[i % 6 - 3];
     most = larger(most, beam.held[i / 6] >> i % 6 & 1 ? fabs(off) : 0.0);
   }
   return most;
