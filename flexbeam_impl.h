@@ -15858,7 +15858,7 @@ static fb_real fbi_exact_places_turn(const fb_exact *m, const fb_support_place *
    and in its axes: from the places of the state, displacement/step and the rotation vector from the one attitude to the
    other/step.
    Source: definition.  Cost: 300 flops a node, where supports are not as built.  Fails: never.
-   Test: a_moved_tip_is_a_moved_base_seen_from_the_other_end, moved_supports_work_as_much_as_energy_grows. */
+   Test: a_moved_tip_is_a_moved_base_seen_from_the_other_end, supports_move_in_a_base_that_turns. */
 static void fbi_exact_places_begin(fb_exact_work *work, const fb_exact *m, const fb_exact_state *state,
                                    const fb_exact_input *input, fb_real step)
 {

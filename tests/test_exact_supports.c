@@ -273,11 +273,12 @@ TEST(moved_supports_work_as_much_as_energy_grows)
   before = total_energy();
   for (int k = 1; k <= 600; k++) {
     const double t = fmin(k * dt, 4.0), rise = 1.0 - cos(0.5 * pi * t); /* 4 s there and back twice.. */
+    amid->displacement[2] = (fb_real)(0.2 * sin(0.5 * pi * t) * sin(0.5 * pi * t));
     tip->displacement[0] = (fb_real)(-0.3 * rise);
     tip->displacement[1] = (fb_real)(0.5 * rise);
     tip->rotation[0] = (fb_real)(0.4 * rise);
+    tip->rotation[1] = amid->displacement[2]; /* about another axis at each time */
     tip->rotation[2] = (fb_real)(0.6 * rise);
-    amid->displacement[2] = (fb_real)(0.2 * sin(0.5 * pi * t) * sin(0.5 * pi * t));
     if (steps(1, dt) != FB_OK) {
       return;
     }
@@ -289,12 +290,39 @@ TEST(moved_supports_work_as_much_as_energy_grows)
       }
     }
     off = fmax(off, distance(node[12].displacement, (double)tip->displacement[0], (double)tip->displacement[1], 0.0));
+    off = fmax(
+        off, distance(node[12].rotation, (double)tip->rotation[0], (double)tip->rotation[1], (double)tip->rotation[2]));
     most = fmax(most, total_energy() - before);
     worst = fmax(worst, fabs(total_energy() - before - done));
   }
   FBT_BELOW(90.0, most);
   FBT_ZERO(worst, most, FBT_TOL(1e-11, 1e-5));
   FBT_ZERO(off, 1.0, FBT_TOL(1e-5, 1e-4));
+}
+
+/* E10.17, E10.30: in a base that turns a support that moves keeps to its place in it, to the order of the step. */
+TEST(supports_move_in_a_base_that_turns)
+{
+  const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 150.0}, inertia[6] = {1.0, 1.0, 1.0, 1e-2, 5e-3, 5e-3};
+  double off = 0.0;
+  fb_support_place *tip;
+  beam(4.0, 12, stiffness, inertia);
+  desc.iterations = 12;
+  desc.tip = FB_END_PINNED;
+  input.w[2] = FB_R(1.5);
+  settle();
+  tip = move_support(12);
+  for (int k = 1; k <= 200; k++) {
+    const double rise = 1.0 - cos(0.5 * pi * 0.01 * k);
+    tip->displacement[0] = (fb_real)(-0.3 * rise);
+    tip->displacement[1] = (fb_real)(0.5 * rise);
+    if (steps(1, 0.01) != FB_OK) {
+      return;
+    }
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
+    off = fmax(off, distance(node[12].displacement, (double)tip->displacement[0], (double)tip->displacement[1], 0.0));
+  }
+  FBT_ZERO(off, 1.0, FBT_TOL(1e-4, 1e-4));
 }
 
 /* E10.30, E11.20: a beam between hinges whose tip is moved across by g = a (1 - cos W t) moves as the modal sum
@@ -363,4 +391,5 @@ TEST(places_of_nothing_are_refused)
 SUITE(exact_supports, RUN(slack_lines_hang_as_catenaries), RUN(settled_and_turned_supports_pull_as_in_closed_form),
       RUN(taut_strings_ring_by_the_way_of_their_end), RUN(paths_follow_the_way_of_a_support),
       RUN(a_moved_tip_is_a_moved_base_seen_from_the_other_end), RUN(moved_supports_work_as_much_as_energy_grows),
-      RUN(a_shaken_end_moves_the_beam_as_modes_do), RUN(places_of_nothing_are_refused))
+      RUN(supports_move_in_a_base_that_turns), RUN(a_shaken_end_moves_the_beam_as_modes_do),
+      RUN(places_of_nothing_are_refused))
