@@ -20740,6 +20740,7 @@ static int fbi_exact_stands(const fb_exact_work *work, const fb_exact *m)
   for (int j = 0; j < m->n_joint; j++) {
     driven |= m->joint[j].driven && work->motor[j] != FB_R(0.0);
   }
+  driven |= work->moved && !fbi_is_zero(work->place_V, 6 * (m->n + 1));
   return !m->floating && !driven && fbi_is_zero(work->twist, 6) && fbi_is_zero(work->drift, 3) &&
          (work->motion.gravity || work->motion.dead);
 }
@@ -20757,6 +20758,7 @@ static void fbi_exact_begin(fb_exact_work *work, const fb_exact *m, const fb_exa
   fbi_exact_frame(u, m, state);
   fb_mat33_mulT_vec3(work->drift, work->half, u);
   fbi_vec3_add(work->twist, m->floating ? FB_R(0.0) : -FB_R(1.0), work->drift);
+  fbi_exact_places_begin(work, m, state, middle, step);
   work->motion.stands = fbi_exact_stands(work, m);
   fbi_copy(work->r, state->r, 3 * (m->n + 1));
   fbi_copy(work->quat, state->quat, 4 * (m->n + 1));
@@ -20764,7 +20766,6 @@ static void fbi_exact_begin(fb_exact_work *work, const fb_exact *m, const fb_exa
   fbi_exact_offset_change(work->strain, state->offset, work->offset, 6 * m->n);
   fbi_exact_rate_base(work->momentum, state->momentum, state->momentum_rate, last, 6 * m->n);
   fbi_exact_rate_base(work->velocity, state->velocity, state->velocity_rate, last, 6 * (m->n + 1));
-  fbi_exact_places_begin(work, m, state, middle, step);
   fbi_exact_middles_begin(work, m, state);
   fbi_exact_rate_base(work->angle_base, state->angle, state->angle_rate, last, m->n_joint);
   fbi_copy(work->angle, state->angle, m->n_joint);

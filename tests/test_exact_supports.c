@@ -300,6 +300,33 @@ TEST(moved_supports_work_as_much_as_energy_grows)
   FBT_ZERO(off, 1.0, FBT_TOL(1e-5, 1e-4));
 }
 
+/* E10.30, E11.56: in gravity energy is constant again where supports rest, away from where they are built. */
+TEST(supports_that_rest_again_do_no_work_in_gravity)
+{
+  const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 150.0}, inertia[6] = {1.0, 1.0, 1.0, 1e-2, 5e-3, 5e-3};
+  double moved = 0.0, worst = 0.0;
+  fb_support_place *tip;
+  beam(4.0, 12, stiffness, inertia);
+  desc.iterations = 12;
+  desc.factorizations = 2;
+  desc.tip = FB_END_PINNED;
+  desc.gravity[2] = -FB_R(5.0);
+  settle();
+  tip = move_support(12);
+  for (int k = 1; k <= 400; k++) {
+    const double rise = 1.0 - cos(pi * fmin(0.01 * k, 1.0));
+    tip->displacement[0] = (fb_real)(-0.2 * rise);
+    tip->displacement[2] = (fb_real)(0.3 * rise);
+    if (steps(1, 0.01) != FB_OK) {
+      return;
+    }
+    moved = k == 100 ? total_energy() : moved;
+    worst = k > 100 ? fmax(worst, fabs(total_energy() - moved)) : worst;
+  }
+  FBT_BELOW(1.0, moved);
+  FBT_ZERO(worst, moved, FBT_TOL(1e-11, 1e-5));
+}
+
 /* E10.17, E10.30: in a base that turns a support that moves keeps to its place in it, to the order of the step. */
 TEST(supports_move_in_a_base_that_turns)
 {
@@ -391,5 +418,5 @@ TEST(places_of_nothing_are_refused)
 SUITE(exact_supports, RUN(slack_lines_hang_as_catenaries), RUN(settled_and_turned_supports_pull_as_in_closed_form),
       RUN(taut_strings_ring_by_the_way_of_their_end), RUN(paths_follow_the_way_of_a_support),
       RUN(a_moved_tip_is_a_moved_base_seen_from_the_other_end), RUN(moved_supports_work_as_much_as_energy_grows),
-      RUN(supports_move_in_a_base_that_turns), RUN(a_shaken_end_moves_the_beam_as_modes_do),
-      RUN(places_of_nothing_are_refused))
+      RUN(supports_that_rest_again_do_no_work_in_gravity), RUN(supports_move_in_a_base_that_turns),
+      RUN(a_shaken_end_moves_the_beam_as_modes_do), RUN(places_of_nothing_are_refused))
