@@ -20,7 +20,7 @@ WORDS    = scene campaign reduce fmu elastodyn analyse advise exact
 PACKAGES = meson conan vcpkg arduino platformio esp-idf zephyr consumer sbom
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = tidy memory bits code_tree firmware suite sanitize hostile fuzz instructions compile fmu stack faults rom removed coverage code campaign single long rooms code_hostile parts mismatch \
-           advise symbols threads two_precisions jacobian trace python style ids documents quickstart first_build fast_math output hil aero scene curves modes linear import blade packages page hard laws
+           advise symbols threads two_precisions jacobian trace python style ids documents quickstart first_build fast_math output hil aero scene curves modes linear import mesh blade packages page hard laws
 
 .DELETE_ON_ERROR:
 .PHONY: help run tool table1 leigh scenes blade page python firmware hil campaign campaign-mpi test laws quick quick-double quick-single quick-c++ coverage mutants mutants-laws hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-jitter bench-peers sizes fuzz readme format clean ci ci-all seconds install uninstall packages FORCE $(CHECKS:%=check-%) check-tables $(PACKAGES:%=package-%)
@@ -414,7 +414,7 @@ check-trace: build/examples/tutorial_filter
 
 check-output: build/flexbeam $(EXAMPLES:%=build/examples/%)
 
-$(addprefix check-,advise bits code code_hostile code_tree compile curves firmware fmu import linear modes packages parts rom scene trace): build/flexbeam
+$(addprefix check-,advise bits code code_hostile code_tree compile curves firmware fmu import linear mesh modes packages parts rom scene trace): build/flexbeam
 
 check-campaign: build/flexbeam $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
 

@@ -2,9 +2,10 @@
 # import.py - a finite-element model as a component of flexbeam (examples/tools/README.md, Import):
 #   import.py MODEL.bdf MODES.op2 --out truss.txt                       grids and normal modes (SOL 103) of Nastran
 #   import.py --matrices K.mtx M.mtx --nodes nodes.csv --out truss.txt  matrices of any program; import.py solves for the modes
+#   import.py plate.inp --interface TIP:tip --out plate.txt             a mesh of CalculiX or Abaqus, which CalculiX solves
 #   import.py --matrices boom.pch --out boom.txt                        reduced ones, by Craig and Bampton: KAAX, MAAX and grids
 #   import.py --modal FLEX.txt --nodes NODES.txt --body 40,... --out b.txt  modal data without a mesh, flex files of 42
-# Wants NumPy and SciPy; for .bdf, .op2 and .op4 also pyNastran. Exit: 0 well, 1 the model cannot be imported, 2 bad options.
+# Wants NumPy and SciPy; for .bdf, .op2 and .op4 also pyNastran, for .inp CalculiX. Exit: 0 well, 1 the model cannot be imported, 2 bad options.
 import argparse
 import contextlib
 import csv
@@ -31,6 +32,7 @@ import flex42
 import import_report
 import large
 import matrix_files
+import mesh
 from matrix_files import Refused
 
 MODES, NODES = 24, 4096  # what a description holds
@@ -51,6 +53,8 @@ class Model:
         self.at = {node: k for k, node in enumerate(self.ids)}
         self.K_G, self.modal_mass, self.digits, self.notes, self.static, self.reduced = [], None, 17, [], None, None
         self.pairs, self.exact, self.dropped = [], None, []  # nodes that are joined; number of modes that are not residual; frequencies
+        self.tied = []  # nodes that depend on others, whose forces are theirs
+        self.preload = None  # geometric stiffness about an origin, by the code that has the mesh
         self.losses = []  # marked nodes, their names, and the most that is left out of their static deflection
         self.second = self.effects = None  # of modal data: integrals of second order, mode by mode and x y z; what they allow
 
@@ -595,6 +599,35 @@ def solve(model, matrices, place, clamped, options):
     model.static = solver, place[keep], value, phi
 
 
+def attached(model, M, options):
+    """Adds the residual attachment modes [Ru] of the interface nodes to the modes: what these leave out of the static deflections by forces and
+    moments there, orthogonal to them, so that static deflections of these nodes are whole."""
+    if not model.static:
+        raise Refused('--interface: wants K, which is not known here: --mark')
+    solver, rows, value, phi = model.static
+    nodes = [node for text in options.interface for node, _ in listed(text, '--interface')]
+    at = np.flatnonzero(np.isin(rows // 6, [model.find(node, '--interface') for node in nodes]))
+    F = np.zeros((len(rows), len(at)))
+    F[at, np.arange(len(at))] = 1
+    U, by = np.column_stack([solver(f) for f in F.T]), phi[at]
+    size = np.sqrt(np.einsum('ik,ik->k', U[at].T, np.eye(len(at))))
+    rest, turn = linalg.eigh((U[at] - by / value @ by.T) / np.outer(size, size))  # static deflection that is left out
+    U = (U - phi / value @ by.T) / size @ turn[:, rest > 1e-9] / np.sqrt(rest[rest > 1e-9])  # of stiffness 1
+    M = M[rows][:, rows]
+    U -= phi @ (phi.T @ (M @ U))  # what rounding has left
+    mass, turn = linalg.eigh(U.T @ (M @ U))
+    if mass[0] < 1e-12 / value[0]:
+        raise Refused('--interface: a load at these nodes moves no mass, so no mode carries its deflection: --mark, or mass there')
+    extra, model.exact = (U @ turn / np.sqrt(mass))[:, ::-1], len(value)
+    if len(value) + len(mass) > MODES:
+        raise Refused('--interface: %d modes and %d more for static deflections, a description holds %d: fewer --modes or nodes' % (len(value), len(mass), MODES))
+    model.static = solver, rows, np.concatenate([value, 1 / mass[::-1]]), np.hstack([phi, extra])
+    model.hz = np.sqrt(model.static[2]) / (2 * np.pi)
+    model.phi = np.zeros((len(model.phi), len(model.hz)))
+    model.phi[rows] = model.static[3]
+    model.notes.append('%d residual attachment modes (%.5g to %.5g Hz) keep the static deflection of the interface nodes' % (len(mass), model.hz[-len(mass)], model.hz[-1]))
+
+
 def from_matrices(options):
     """Of matrices of all nodes, or of reduced ones, the model, its mass matrix, and what makes of a matrix one of six basic rows per node."""
     table = (deck_table if os.path.splitext(options.nodes)[1].lower() in DECKS else csv_table)(options.nodes)
@@ -629,6 +662,49 @@ def from_matrices(options):
         clamped[model.find(node, '--frame')] = True
     solve(model, matrices, place, clamped, options)
     return model, M_basic, basic, most
+
+
+def mesh_items(deck, text, what):
+    """Nodes by commas, numbers or names of sets, each with its own name: lists of nodes that move as one, and names."""
+    for item in text.split(','):
+        word, _, name = item.strip().partition(':')
+        if re.fullmatch(r'[\d/ -]+', word):
+            yield from (([node], called) for node, called in listed(item, what) for node in deck.nodes(str(node), what))
+        else:
+            yield deck.nodes(word, what), name or re.sub(r'\W', '_', word)
+
+
+def from_mesh(options):
+    """Of a mesh, by CalculiX."""
+    path = options.files[0]
+    deck = mesh.Deck(path)
+    if options.frame:
+        deck.supports = [(node, 1, 6) for nodes, _ in mesh_items(deck, options.frame, '--frame') for node in nodes]
+    marks = [[item for text in texts for item in mesh_items(deck, text, what)] for texts, what in ((options.mark, '--mark'), (options.interface, '--interface'))]
+    with mesh.folder() as folder:
+        if deck.thin:
+            mesh.as_solids(deck, folder, {nodes[0] for items in marks for nodes, _ in items if len(nodes) == 1})
+        ends = [[(nodes[0] if len(nodes) == 1 else deck.interface(nodes), name) for nodes, name in items] for items in marks]
+        rows = mesh.Rows(deck, folder)
+    for node, _ in ends[0] + ends[1]:
+        if node not in rows.ids:
+            raise Refused('%s: node %d has no degrees of freedom of its own: others move it, or it is held by a rigid body. Name its reference node' % (path, node))
+    options.mark, options.interface = [['%d:%s' % end if end[1] else str(end[0]) for end in part] for part in ends]
+    options.mark = options.mark + options.interface
+    options.frame = mesh.clamped(deck, rows)
+    options.matrices, options.nodes = [path, path], path
+    model = Model(rows.ids, rows.x)
+    model.notes += deck.notes
+    model.tied = [other for node in deck.rotation for other in [node, *deck.stand.get(node, [])]]
+    basic = basic_by(rows.place, sparse.csr_array(sparse.eye(6 * len(model.ids))))
+    solve(model, rows.K, rows.M, rows.place, np.isin(model.ids, options.frame), options)
+
+    def preload(origin):
+        about = Model(model.ids, model.x - origin)
+        with mesh.folder() as folder:
+            return [basic(A, path) for A in mesh.preloaded(deck, folder, rows, inertia_loads(about, basic(rows.M, path)))]
+    model.preload = preload
+    return model, basic(rows.M, path), basic, None
 
 
 def placed(table, files, options):
@@ -1660,14 +1736,14 @@ LOADS = ['acceleration %s' % a for a in 'xyz'] + ['angular acceleration %s' % a 
 
 
 def inertia_loads(model, M):
-    """Forces on the nodes by unit accelerations, angular ones and products of spins of the frame: 12 x nodes x 3."""
+    """Forces and moments on the nodes by unit accelerations, angular ones and products of spins of the frame: 12 x nodes x 6."""
     R = rigid(model.x)
     fields = [R[:, k] for k in range(6)]
     for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)):
         by = np.cross(AXES[i], np.cross(AXES[j], model.x))
         by = by if i == j else by + np.cross(AXES[j], np.cross(AXES[i], model.x))
         fields.append(np.hstack([by, 0 * by]).ravel())
-    return np.array([-(M @ field).reshape(-1, 6)[:, :3] for field in fields])
+    return np.array([-(M @ field).reshape(-1, 6) for field in fields])
 
 
 def along(model, A):
@@ -1687,8 +1763,8 @@ def along(model, A):
 def geometric_check(options, model, M):
     """K_G of a load f in equilibrium, turned as a rigid body, gives theta x f. That of a load that stretches the structure cannot be zero."""
     absent = [k for k, name in enumerate(options.geometric) if name == 'none']
-    f, projector = inertia_loads(model, M), along(model, abs(sum(abs(A) for A in model.K_G)) + abs(M))
-    moves = abs(model.phi.reshape(len(model.ids), 6, -1)[:, :3]).max(axis=(1, 2)) > 0
+    f, projector = inertia_loads(model, M)[:, :, :3], along(model, abs(sum(abs(A) for A in model.K_G)) + abs(M))
+    moves = (abs(model.phi.reshape(len(model.ids), 6, -1)[:, :3]).max(axis=(1, 2)) > 0) & ~np.isin(model.ids, model.tied)
     turned = rigid(model.x)[:, 3:]
     for k, load in enumerate(LOADS):
         pull = np.einsum('nij,nj->ni', projector, f[k])[moves]
@@ -1773,20 +1849,26 @@ def modal_check(model, have, tolerance):
 def convert(options):
     """Text of the description, and what is told about it."""
     arrays.cache_clear()
-    model, M, basic, most = from_modal(options) if options.modal else from_matrices(options) if options.matrices else from_nastran(options)
+    model, M, basic, most = (from_modal if options.modal else from_mesh if len(options.files) == 1 else from_matrices if options.matrices else from_nastran)(options)
     arrays.cache_clear()
     left_out = 0 if options.frame else rigid_left_out(model)
     if options.modes and options.modes > len(model.hz) and not model.reduced:
-        raise Refused('--modes: %d wanted, %s has %d%s' % (options.modes, options.files[1], len(model.hz), ' that are no rigid-body motion' if left_out else ''))
+        raise Refused('--modes: %d wanted, %s has %d%s' % (options.modes, options.files[-1], len(model.hz), ' that are no rigid-body motion' if left_out else ''))
     keep = min(options.modes or len(model.hz), len(model.hz))
     if keep > MODES:
         raise Refused('%d modes, a description holds %d: --modes %d takes the lowest' % (keep, MODES, MODES))
     model.hz, model.phi = model.hz[:keep], model.phi[:, :keep]
     model.modal_mass = None if model.modal_mass is None else model.modal_mass[:keep]
+    if options.interface and not model.reduced:
+        attached(model, M, options)
+        keep = len(model.hz)
     model.K_G = [basic(matrix(name, most), name) if name != 'none' else 0 * M for name in options.geometric or []]
     progress('masses')
-    M = scaled(model, M, *options.scale)
     origin = (options.origin or '0,0,0').split(',')
+    if model.preload and not options.line:
+        model.K_G = model.preload(model.x[model.find(int(origin[0]), '--origin')] if len(origin) == 1 else np.array(origin, dtype=float) / options.scale[0])
+        options.geometric = ['by CalculiX'] * len(model.K_G)
+    M = scaled(model, M, *options.scale)
     model.x = model.x - (model.x[model.find(int(origin[0]), '--origin')] if len(origin) == 1 else np.array(origin, dtype=float))
     if not model.reduced:
         still_check(model, options.frame, left_out)
@@ -1867,7 +1949,7 @@ def options_of(arguments):
     parser = argparse.ArgumentParser(prog='import.py', description='a finite-element model as a component of flexbeam',
                                      epilog='examples/tools/README.md, Import')
     add = parser.add_argument
-    add('files', nargs='*', metavar='MODEL.bdf MODES.op2', help='grids and masses; normal modes (SOL 103)')
+    add('files', nargs='*', metavar='MODEL.bdf MODES.op2 | MODEL.inp', help='grids and masses; normal modes (SOL 103). Or a mesh of CalculiX or Abaqus, which CalculiX solves')
     add('--matrices', nargs='+', metavar='FILE', help='K M [C], or one file that has them: .mtx (MatrixMarket, Abaqus), .npz, .mat, .op4, .pch (DMIG), .matrix '
         '(Harwell-Boeing); FILE:NAME where it has several')
     add('--nodes', metavar='FILE', help='.csv: node,x,y,z,dofs of the rows of the matrices, in their order; dofs: some of 123456, or q of modal coordinates '
@@ -1880,6 +1962,8 @@ def options_of(arguments):
     add('--frame', default='', metavar='NODES', help='those of the interface: clamped (of reduced matrices the first node); of an .op2, checked to stand still')
     add('--origin', metavar='X,Y,Z|NODE', help='of the component, in SI and the axes of the model (0,0,0; of reduced matrices the node of the frame); --origin=-1,0,0')
     add('--mark', action='append', default=[], metavar='NODES', help='become nodes of the body: 12:tip,20-25,SET5 (of reduced matrices the interface beside the frame)')
+    add('--interface', action='append', default=[], metavar='NODES', help='marked nodes, or sets of a mesh that move as one, whose static deflections are kept whole: '
+        'attachment modes beside --modes')
     add('--line', action='append', default=[], metavar='NODES',
         help='follow each other along a line, which gives the stiffening: 1-33/4; straight:NODES from displacements alone')
     add('--geometric', nargs=12, metavar='K_G', help='geometric stiffness under accelerations x y z, angular ones x y z, spins xx yy zz xy xz yz; none: not computed')
@@ -1905,9 +1989,14 @@ def options_of(arguments):
         parser.error('--matrices wants K M [C], or one file')
     if options.modal:
         pass
-    elif bool(options.matrices) == bool(options.files) or len(options.files) not in (0, 2) or bool(options.matrices) != bool(options.nodes):
-        parser.error('wants MODEL.bdf MODES.op2, or --matrices K M --nodes FILE')
-    options.frame = [node for node, _ in listed(options.frame, '--frame')] if options.frame else []
+    elif bool(options.matrices) == bool(options.files) or len(options.files) not in (0, 1, 2) or bool(options.matrices) != bool(options.nodes):
+        parser.error('wants MODEL.bdf MODES.op2, MODEL.inp, or --matrices K M --nodes FILE')
+    if len(options.files) == 1:
+        if os.path.splitext(options.files[0])[1].lower() != '.inp' or options.geometric or options.mass:
+            parser.error('wants MODEL.bdf MODES.op2, or MODEL.inp alone, without --mass and --geometric')
+    else:
+        options.mark += options.interface
+        options.frame = [node for node, _ in listed(options.frame, '--frame')] if options.frame else []
     try:
         options.scale = [float(x) for x in options.scale.split(',')]
         origin = [float(x) for x in (options.origin or '0,0,0').split(',')]

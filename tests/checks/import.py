@@ -386,8 +386,8 @@ pair = ['--matrices', save('K.mtx', K), save('M.mtx', M)]
 table = ['--nodes', csv('mast.csv', x, '')]
 good = [*pair, *table, '--frame', '1-4']
 run(*good, '--modes', 6)
-refuse('wants MODEL.bdf MODES.op2, or', folder + 'boom.bdf')
-refuse('wants MODEL.bdf MODES.op2, or', *pair)
+refuse('wants MODEL.bdf MODES.op2, ', folder + 'boom.bdf')
+refuse('wants MODEL.bdf MODES.op2, ', *pair)
 refuse('none.mtx: no such file', '--matrices', 'none.mtx', pair[2], *table)
 refuse('mast.csv: no matrix: wants .mtx', '--matrices', table[1], pair[2], *table)
 scipy.io.savemat(folder + 'two.mat', {'A': K, 'B': M})

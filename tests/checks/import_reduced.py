@@ -471,7 +471,7 @@ refuse('--report: that is what is read or written', *pair, *base, '--report', pa
 
 # ---- what is wrong is told
 
-refuse('wants MODEL.bdf MODES.op2, or --matrices K M --nodes FILE', *pair)
+refuse('wants MODEL.bdf MODES.op2, MODEL.inp, or --matrices K M --nodes FILE', *pair)
 for arguments, why in (
         ([*pair, *table('short.csv', x, (0, 24), 17)], 'rK.mtx:3: 30 rows, 30 columns; the 2 nodes and 17 modal coordinates of .*short.csv have 29 degrees of freedom at most'),
         ([*pair, *table('more.csv', x, (0, 24), 19)], 'more.csv: 2 nodes and 19 modal coordinates with 31 degrees of freedom, the matrices have 30 rows'),
