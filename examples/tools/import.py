@@ -53,6 +53,7 @@ class Model:
         self.at = {node: k for k, node in enumerate(self.ids)}
         self.K_G, self.modal_mass, self.digits, self.notes, self.static, self.reduced = [], None, 17, [], None, None
         self.pairs, self.exact, self.dropped = [], None, []  # nodes that are joined; number of modes that are not residual; frequencies
+        self.free = False  # its modes are those of the free structure, without interface
         self.tied = []  # nodes that depend on others, whose forces are theirs
         self.preload = None  # geometric stiffness about an origin, by the code that has the mesh
         self.losses = []  # marked nodes, their names, and the most that is left out of their static deflection
@@ -674,6 +675,35 @@ def mesh_items(deck, text, what):
             yield deck.nodes(word, what), name or re.sub(r'\W', '_', word)
 
 
+def free_modes(model, K, M, place, options):
+    """Modes of a structure that nothing holds, by K + mu M, without the rigid-body ones; its static deflections are those by inertia relief:
+    loads and the inertia forces of the rigid-body motion that they give."""
+    R = rigid(model.x)[place]
+    mass = R.T @ (M @ R)
+    mu = 1e-10 * K.diagonal().max() / M.diagonal().max()
+    kept, options.modes = options.modes, (options.modes or 6) + 6
+    solve(model, sparse.csr_array(K + mu * M), M, place, np.zeros(len(model.ids), dtype=bool), options)
+    options.modes = kept
+    shifted, rows, value, phi = model.static
+    n = int(np.sum(value - mu < 1e-3 * mu))
+    if n > 6:
+        raise Refused('%s: %d motions have no stiffness, a rigid body has 6: a mechanism, or parts that are not joined' % (options.matrices[0], n))
+    place = list(place)
+    order = [place.index(row) for row in rows]
+    R, M = R[order], M[order][:, order]
+
+    def solver(load):
+        load = load - M @ (R @ linalg.solve(mass, R.T @ load))
+        x = shifted(load)
+        for _ in range(12):  # mu is small beside the squares of elastic frequencies
+            x = shifted(load + mu * (M @ x))
+            x -= R @ linalg.solve(mass, R.T @ (M @ x))
+        return x
+    model.static, model.free = (solver, rows, value[n:] - mu, phi[:, n:]), True
+    model.hz, model.phi = np.sqrt(model.static[2]) / (2 * np.pi), model.phi[:, n:]
+    model.notes.append('%d rigid-body modes are left out: such motion is that of the frame. It stiffens as it spins freely; what loads at nodes do to its stiffness is not in it' % n)
+
+
 def from_mesh(options):
     """Of a mesh, by CalculiX."""
     path = options.files[0]
@@ -697,12 +727,16 @@ def from_mesh(options):
     model.notes += deck.notes
     model.tied = [other for node in deck.rotation for other in [node, *deck.stand.get(node, [])]]
     basic = basic_by(rows.place, sparse.csr_array(sparse.eye(6 * len(model.ids))))
-    solve(model, rows.K, rows.M, rows.place, np.isin(model.ids, options.frame), options)
+    if options.frame:
+        solve(model, rows.K, rows.M, rows.place, np.isin(model.ids, options.frame), options)
+    else:
+        free_modes(model, rows.K, rows.M, rows.place, options)
 
     def preload(origin):
-        about = Model(model.ids, model.x - origin)
+        about, M = Model(model.ids, model.x - origin), basic(rows.M, path)
+        about.free = model.free
         with mesh.folder() as folder:
-            return [basic(A, path) for A in mesh.preloaded(deck, folder, rows, inertia_loads(about, basic(rows.M, path)))]
+            return [basic(A, path) for A in mesh.preloaded(deck, folder, rows, inertia_loads(about, M), rigid(about.x)[rows.place])]
     model.preload = preload
     return model, basic(rows.M, path), basic, None
 
@@ -1743,7 +1777,11 @@ def inertia_loads(model, M):
         by = np.cross(AXES[i], np.cross(AXES[j], model.x))
         by = by if i == j else by + np.cross(AXES[j], np.cross(AXES[i], model.x))
         fields.append(np.hstack([by, 0 * by]).ravel())
-    return np.array([-(M @ field).reshape(-1, 6) for field in fields])
+    F = -(M @ np.array(fields).T)
+    if model.free:  # what would accelerate it as a whole is in equilibrium with that motion
+        F -= M @ (R @ linalg.solve(R.T @ (M @ R), R.T @ F))
+        F[:, :6] = 0
+    return F.T.reshape(12, -1, 6)
 
 
 def along(model, A):

@@ -15,7 +15,9 @@ from matrix_files import Refused, number, text_lines
 
 LEFT = {'BOUNDARY', 'PREPRINT', 'RESTART', 'HEADING'}  # written anew, or no part of the model
 INSTANCES = {'PART', 'ASSEMBLY', 'INSTANCE'}
-DAMPING = {'DAMPING', 'MODAL DAMPING', 'DASHPOT'}
+TOLD = {  # left out, and told
+    'DAMPING': "damping: --word 'damping RATIO'", 'MODAL DAMPING': "damping: --word 'damping RATIO'", 'DASHPOT': "damping: --word 'damping RATIO'",
+    'CONTACT PAIR': 'contact: *TIE joins surfaces', 'TRANSFORM': 'axes of supports', 'INITIAL CONDITIONS': 'stress and temperature at the start'}
 HELD = {'ENCASTRE': (1, 6), 'PINNED': (1, 3)}  # words of Abaqus
 SOLID, LUMPED = re.compile('C3D'), re.compile('MASS|SPRING|GAP|DASHPOT')
 THIN = {'S3', 'S4', 'S4R', 'S6', 'S8', 'S8R', 'B21', 'B31', 'B31R', 'B32', 'B32R'}  # elements that CalculiX expands into solids
@@ -87,15 +89,20 @@ class Deck:
     def __init__(self, path):
         self.path, self.blocks, self.notes, self.x, self.sets, self.supports, self.rotation = path, [], [], {}, {}, [], {}
         self.thin, self.stand = {}, {}
-        held, steps = [], 0
+        held, steps, turned = [], 0, ''
         for block in blocks_of(path):
             steps += block.name == 'STEP'
             if block.name == 'BOUNDARY' and steps < 2:
                 held.append(block)
-            elif block.name in DAMPING:
-                self.notes.append("%s: *%s is not taken: --word 'damping RATIO'" % (block.where, block.name))
+            elif block.name in TOLD and (not steps or 'DAMPING' in block.name):
+                self.notes.append('%s: *%s is not taken (%s)' % (block.where, block.name, TOLD[block.name]))
+                if block.name == 'DASHPOT':  # its elements want it, K and M have nothing of it
+                    self.blocks.append(block)
+                turned = turned or block.where * (block.name == 'TRANSFORM')
             elif not steps and block.name not in LEFT:
                 self.blocks.append(block)
+            if turned and block.name in ('EQUATION', 'MPC') and not steps:
+                raise Refused('%s: *%s beside *TRANSFORM (%s): equations in basic axes, without it, are wanted' % (block.where, block.name, turned))
         for block in self.blocks:
             self.take(block)
         if not self.x:
@@ -516,12 +523,18 @@ def clamped(deck, rows):
     return sorted(set(dofs) & set(have))
 
 
-def stresses(deck, folder, rows, forces):
+def determinate(rows, R):
+    """Cards that hold the rows of a free structure, R its rigid-body motions, such that loads in equilibrium give no forces there."""
+    size = abs(R).max(axis=0)
+    return ['*BOUNDARY'] + ['%d, %d, %d' % (node, way, way) for node, way in (rows.labels[rows.known[k]] for k in qr((R / size).T, pivoting=True, mode='r')[1][:6])]
+
+
+def stresses(deck, folder, rows, forces, supports):
     """Stresses at the points of integration by loads on the supported model, each as lines of element, point, six components."""
     text, out = [], []
     for force in forces:
         cards = ['%d, %d, %s' % (node, way, real(row[k])) for node, row in zip(rows.ids, force) for k, (node, way) in deck.directions(node) if row[k]]
-        text += ['*STEP', '*STATIC', *held(deck, deck.supports), '*CLOAD, OP=NEW', *cards, '*EL PRINT, ELSET=%s, GLOBAL=YES' % SOLIDS, 'S', '*END STEP']
+        text += ['*STEP', '*STATIC', *supports, '*CLOAD, OP=NEW', *cards, '*EL PRINT, ELSET=%s, GLOBAL=YES' % SOLIDS, 'S', '*END STEP']
     name = ccx(deck, folder, text)
     for _, line in text_lines(name + '.dat'):
         words = line.split()
@@ -534,12 +547,12 @@ def stresses(deck, folder, rows, forces):
     return [np.array(stress) for stress in out]
 
 
-def preloaded(deck, folder, rows, forces):
+def preloaded(deck, folder, rows, forces, R):
     """K_G of unit loads, forces by load, node and six directions: of their stresses alone, at points that have not moved, as K of a model that
     a load has deformed has the change of its places, too."""
     deck.solids_set()
     out, nodes = [], ['%d, %d, %d' % (node, way, way) for node, way in rows.labels if node in deck.x]
-    for stress in stresses(deck, folder, rows, forces):
+    for stress in stresses(deck, folder, rows, forces, held(deck, deck.supports) if deck.supports else determinate(rows, R)):
         most = abs(stress[:, 2:]).max()
         if not most > 0:
             out.append(0 * rows.K)
