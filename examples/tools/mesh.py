@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 
 import numpy as np
@@ -287,13 +288,13 @@ def held(deck, supports):
     return ['*BOUNDARY'] + cards + ['%d, %d, %d' % (deck.rotation[node], max(first - 3, 1), last - 3) for node, first, last in supports if last > 3 and node in deck.rotation]
 
 
-def matrices(deck, folder, supports=()):
-    """K, freed of supports of a static step before, M, and the labels of their rows."""
+def matrices(deck, folder, supports=(), mass=True):
+    """K, freed of supports of a static step before, M or None, and the labels of their rows."""
     static = ['*STEP', '*STATIC', *supports, '*END STEP'] if supports else []
     name = ccx(deck, folder, static + ['*STEP, PERTURBATION' if supports else '*STEP', '*FREQUENCY, SOLVER=MATRIXSTORAGE', *(['*BOUNDARY, OP=NEW'] if supports else []),
                                        '*END STEP'])
-    (K, labels), (M, _) = (stored(deck, name, ending) for ending in ('.sti', '.mas'))
-    return K, M, labels
+    K, labels = stored(deck, name, '.sti')
+    return K, stored(deck, name, '.mas')[0] if mass else None, labels
 
 
 # ---- shells and beams: the solids that CalculiX makes of them ([D] Shells, Beams) are written in their place, so each row has a node
@@ -561,7 +562,9 @@ def preloaded(deck, folder, rows, forces, R):
         block = Block('*INITIAL CONDITIONS, TYPE=STRESS', deck.path)
         block.data = [('%d, %d, %s' % (at[0], at[1], ', '.join(real(scale * value) for value in at[2:])), deck.path) for at in stress]
         deck.blocks.append(block)
-        K, _, labels = matrices(deck, folder, ['*BOUNDARY', *nodes])
+        if sys.stderr.isatty():
+            print('\r%s: load %d of %d' % (deck.path, len(out) + 1, len(forces)), end='\n' * (len(out) + 1 == len(forces)), file=sys.stderr, flush=True)
+        K, _, labels = matrices(deck, folder, ['*BOUNDARY', *nodes], mass=False)
         deck.blocks.pop()
         if labels != rows.labels:
             raise Refused('%s: CalculiX numbers the rows of the preloaded model in another way' % deck.path)

@@ -167,6 +167,12 @@ R = rigid(x, 6)
 carried = re.search('effective masses: the modes carry (.*), (.*) and (.*) % of the mass along x, y and z, (.*), (.*) and (.*) % of', told).groups()
 meet('effective masses', np.array(carried, dtype=float) / 100, np.sum((R.T @ M @ phi)**2, axis=1) / np.diag(R.T @ M @ R), 6e-3)
 inverse = linalg.inv(K[6:, 6:])
+text = run('--matrices', save('K.mtx', K), save('M.mtx', M), '--nodes', folder + 'boom.csv', '--frame', 1, '--modes', 4, '--interface', '25:tip')
+whole = integrals()
+S = np.vstack([whole[key].reshape(10, 3).T for key in ('psi', 'theta')])
+meet('compliance of an interface', S @ linalg.solve(whole['K'].reshape(10, 10), S.T), inverse[-6:, -6:], 1e-9)
+if not re.search('^# the modes have all of the static deflection of node 25 .tip. by forces and moments', text, re.M):
+    sys.exit('interface: %s' % text[:1500])
 lost = re.findall('^# of the static deflection of node 25 .tip. by a (?:force|moment) there the modes leave out (.*)', told, re.M)
 meet('static deflection', [float(part.split()[0]) / 100 for parts in lost for part in parts.split(', ')],
      [1 - np.sum(phi[k]**2 / w**2) / inverse[k, k] for k in range(-6, 0)], 5e-3)
