@@ -54,6 +54,7 @@ class Model:
         self.K_G, self.modal_mass, self.digits, self.notes, self.static, self.reduced = [], None, 17, [], None, None
         self.pairs, self.exact, self.dropped = [], None, []  # nodes that are joined; number of modes that are not residual; frequencies
         self.free = False  # its modes are those of the free structure, without interface
+        self.source = []  # frequencies of the run that the model is of
         self.tied = []  # nodes that depend on others, whose forces are theirs
         self.preload = None  # geometric stiffness about an origin, by the code that has the mesh
         self.losses = []  # marked nodes, their names, and the most that is left out of their static deflection
@@ -731,6 +732,13 @@ def from_mesh(options):
         solve(model, rows.K, rows.M, rows.place, np.isin(model.ids, options.frame), options)
     else:
         free_modes(model, rows.K, rows.M, rows.place, options)
+    if len(options.files) == 2:
+        model.source = mesh.frequencies(options.files[1])
+        have, want = (hz[:min(len(model.hz), len(model.source))] for hz in (model.hz, model.source))
+        off = abs(have / want - 1)
+        at = off.argmax()
+        model.notes.append('frequencies are those of %s to %.2g%s' % (options.files[1], off[at], '' if off[at] < 1e-3 else
+                           ' (mode %d: %.6g Hz, there %.6g): other supports, or a set that is a rigid body here' % (at + 1, have[at], want[at])))
 
     def preload(origin):
         about, M = Model(model.ids, model.x - origin), basic(rows.M, path)
@@ -1887,7 +1895,7 @@ def modal_check(model, have, tolerance):
 def convert(options):
     """Text of the description, and what is told about it."""
     arrays.cache_clear()
-    model, M, basic, most = (from_modal if options.modal else from_mesh if len(options.files) == 1 else from_matrices if options.matrices else from_nastran)(options)
+    model, M, basic, most = (from_modal if options.modal else from_mesh if is_mesh(options) else from_matrices if options.matrices else from_nastran)(options)
     arrays.cache_clear()
     left_out = 0 if options.frame else rigid_left_out(model)
     if options.modes and options.modes > len(model.hz) and not model.reduced:
@@ -1961,7 +1969,7 @@ def report_of(options, model, want, marks, how, off):
     cross = abs(want[6:, 6:] - np.diag(np.diag(want)[6:]))
     exact = len(model.hz) if model.exact is None else model.exact
     head = ['mode', 'Hz', 'Hz of the source', *('%s %%' % axis for axis in axes), 'orthogonality']
-    rows = [['%d' % (k + 1), '%.6g' % model.hz[k], '%.6g' % model.hz[k] if k < exact else 'residual', *('%.3g' % value for value in np.round(share[:, k], 6)), '%.1g' % cross[k].max()]
+    rows = [['%d' % (k + 1), '%.6g' % model.hz[k], ('%.6g' % (model.source[k] if k < len(model.source) else model.hz[k])) if k < exact else 'residual', *('%.3g' % value for value in np.round(share[:, k], 6)), '%.1g' % cross[k].max()]
             for k in range(len(model.hz))]
     tables = [(head, rows)]
     if model.losses:
@@ -1983,11 +1991,16 @@ def report_of(options, model, want, marks, how, off):
     return import_report.page(report, import_report.geometry(model.x, shape, pairs, names, bool(model.reduced)))
 
 
+def is_mesh(options):
+    return bool(options.files) and os.path.splitext(options.files[0])[1].lower() == '.inp'
+
+
 def options_of(arguments):
     parser = argparse.ArgumentParser(prog='import.py', description='a finite-element model as a component of flexbeam',
                                      epilog='examples/tools/README.md, Import')
     add = parser.add_argument
-    add('files', nargs='*', metavar='MODEL.bdf MODES.op2 | MODEL.inp', help='grids and masses; normal modes (SOL 103). Or a mesh of CalculiX or Abaqus, which CalculiX solves')
+    add('files', nargs='*', metavar='MODEL.bdf MODES.op2 | MODEL.inp [MODEL.frd]', help='grids and masses; normal modes (SOL 103). Or a mesh of CalculiX or Abaqus, which CalculiX solves; '
+        'modes to compare with')
     add('--matrices', nargs='+', metavar='FILE', help='K M [C], or one file that has them: .mtx (MatrixMarket, Abaqus), .npz, .mat, .op4, .pch (DMIG), .matrix '
         '(Harwell-Boeing); FILE:NAME where it has several')
     add('--nodes', metavar='FILE', help='.csv: node,x,y,z,dofs of the rows of the matrices, in their order; dofs: some of 123456, or q of modal coordinates '
@@ -2029,9 +2042,9 @@ def options_of(arguments):
         pass
     elif bool(options.matrices) == bool(options.files) or len(options.files) not in (0, 1, 2) or bool(options.matrices) != bool(options.nodes):
         parser.error('wants MODEL.bdf MODES.op2, MODEL.inp, or --matrices K M --nodes FILE')
-    if len(options.files) == 1:
-        if os.path.splitext(options.files[0])[1].lower() != '.inp' or options.geometric or options.mass:
-            parser.error('wants MODEL.bdf MODES.op2, or MODEL.inp alone, without --mass and --geometric')
+    if is_mesh(options) or len(options.files) == 1:
+        if not is_mesh(options) or options.geometric or options.mass:
+            parser.error('wants MODEL.bdf MODES.op2, or MODEL.inp [MODEL.frd] without --mass and --geometric')
     else:
         options.mark += options.interface
         options.frame = [node for node, _ in listed(options.frame, '--frame')] if options.frame else []

@@ -572,5 +572,17 @@ def preloaded(deck, folder, rows, forces, R):
     return out
 
 
+def frequencies(path):
+    """[Hz] of the modes of an .frd, zero ones left out."""
+    found = {}
+    for k, line in text_lines(path):
+        if line.startswith('  100CL') and 'MODAL' in line:
+            found.setdefault(line[58:63] + line.split('MODAL')[1].split()[0], number(float, line[12:24], path, k, 'frequency'))
+    hz = np.array([value for value in found.values() if value > 1e-3 * max(found.values())])
+    if not len(hz):
+        raise Refused('%s: no modes: *FREQUENCY with *NODE FILE, U writes them' % path)
+    return hz
+
+
 def folder():
     return tempfile.TemporaryDirectory(prefix='import_mesh_')

@@ -110,8 +110,16 @@ bracket = bracket.replace('7e10, 0.33\n*DENSITY\n2700', '7e4, 0.33\n*DENSITY\n2.
 bracket += nset('ROOT', [k for at, k in node.items() if at[2] == 12]) + nset('TIP', [k for at, k in node.items() if at[0] == 12])
 bracket += '*NODE\n9000, 200, 15, 5\n*ELEMENT, TYPE=MASS, ELSET=LUMP\n900, 9000\n*MASS, ELSET=LUMP\n2e-4\n'
 bracket += '*SURFACE, NAME=END, TYPE=NODE\nTIP\n*COUPLING, REF NODE=9000, SURFACE=END, CONSTRAINT NAME=C\n*KINEMATIC\n1, 3\n' + CLAMPED
-run(deck('bracket.inp', bracket, STEP), '--modes', 10, '--scale', '0.001,1000', '--interface', '9000:lump')
+ccx(bracket, STEP)
+run(deck('bracket.inp', bracket, STEP), folder + 'own.frd', '--modes', 10, '--report', folder + 'report.txt', '--scale', '0.001,1000', '--interface', '9000:lump')
 meet('frequencies of a bracket with a lump', np.sqrt(np.diag(integrals()['K'].reshape(16, 16)))[:10] / own_frequencies(bracket), np.ones(10), 1e-5)
+
+with open(folder + 'report.txt') as file:
+    text = file.read()
+rows = [row.split() for row in text.splitlines() if re.match(' *[0-9]+ +[0-9.]+ +[0-9.]+ ', row)]
+if not re.search('^- frequencies are those of .*own[.]frd to [0-9.]+e-(0[6-9]|1[0-9])$', text, re.M) or len(rows) != 10:
+    sys.exit('report: %s' % text)
+meet('frequencies beside those of an .frd', [float(row[2]) for row in rows], own_frequencies(bracket) / (2 * np.pi), 1e-5)
 
 # shells, S8R, as CalculiX expands them, held at their nodes, on axes that are turned
 turn, _ = np.linalg.qr(np.array([[1, 0.2, -0.3], [0.5, 1, 0.4], [0.3, -0.6, 1]]))
@@ -145,7 +153,8 @@ refuse(r"the model has no set of nodes 'TOP', but ROOT, TIP", name, '--interface
 refuse('--mark: the model has no node 99999', name, '--mark', 99999)
 refuse(r'plate\.inp: node %d has no degrees of freedom of its own' % tip, name, '--mark', tip, '--interface', 'TIP')
 refuse('--interface: 20 modes and 6 more for static deflections, a description holds 24', name, '--modes', 20, '--interface', 'TIP')
-refuse('wants MODEL.bdf MODES.op2, or MODEL.inp alone', folder + 'model.bdf')
+refuse('wants MODEL.bdf MODES.op2, or MODEL.inp .MODEL.frd. without', folder + 'model.bdf')
+refuse(r'plate\.inp: no modes: \*FREQUENCY with \*NODE FILE', name, name)
 refuse(r'none\.inp: No such file', folder + 'none.inp')
 for why, old, new in ((r'bad\.inp:\d+: elements of type C3E20R: solids C3D\.\., shells and beams', 'C3D20R', 'C3E20R'),
                       (r"bad\.inp:\d+: CalculiX: .*DENSITEE", '*DENSITY', '*DENSITEE'),
