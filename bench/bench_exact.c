@@ -184,7 +184,7 @@ static void solve(int way)
 /* One Newton iteration of the steady state from a start. */
 static void iteration(int way, int at)
 {
-  const fbi_exact_motion steady = {0, 1, 0, 0, 1, 0, 0};
+  const fbi_exact_motion steady = {0, 1, 0, 0, 1, 0, 0, 0};
   work.motion = steady;
   fbi_exact_pose_enter(&work, &start[at], &beam);
   fbi_exact_input_set(&work, &beam, start[at].base_quat, &input, 1, 0);

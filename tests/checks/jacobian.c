@@ -155,7 +155,8 @@ static void scatter(int what, int way)
                                    way == MARCH        ? rate
                                    : way == LINEARIZED ? 1.37
                                                        : 0,
-                                   way != REST && fbi_exact_damped(&beam)};
+                                   way != REST && fbi_exact_damped(&beam),
+                                   0};
   memset(&work, 0, sizeof work);
   require(fb_exact_state_init(&beam, &state, &work, &input), "state");
   fill(state.base_quat, 4, 1);
