@@ -683,7 +683,7 @@ def free_modes(model, K, M, place, options):
     mass = R.T @ (M @ R)
     mu = 1e-10 * K.diagonal().max() / M.diagonal().max()
     kept, options.modes = options.modes, (options.modes or 6) + 6
-    solve(model, sparse.csr_array(K + mu * M), M, place, np.zeros(len(model.ids), dtype=bool), options)
+    solve(model, [sparse.csr_array(K + mu * M), M], place, np.zeros(len(model.ids), dtype=bool), options)
     options.modes = kept
     shifted, rows, value, phi = model.static
     n = int(np.sum(value - mu < 1e-3 * mu))
@@ -729,7 +729,7 @@ def from_mesh(options):
     model.tied = [other for node in deck.rotation for other in [node, *deck.stand.get(node, [])]]
     basic = basic_by(rows.place, sparse.csr_array(sparse.eye(6 * len(model.ids))))
     if options.frame:
-        solve(model, rows.K, rows.M, rows.place, np.isin(model.ids, options.frame), options)
+        solve(model, [rows.K, rows.M], rows.place, np.isin(model.ids, options.frame), options)
     else:
         free_modes(model, rows.K, rows.M, rows.place, options)
     if len(options.files) == 2:
