@@ -655,8 +655,9 @@ static void exact_move_place(text_file *t, exact_text *m, int k)
   const int line = t->line;
   exact_spot at = m->move_at[k];
   double x[6];
-  for (int i = 0; i < 6; i++) {
-    x[i] = (double)(i < 3 ? place->displacement[i] : place->rotation[i - 3]);
+  for (int i = 0; i < 3; i++) {
+    x[i] = (double)place->displacement[i];
+    x[i + 3] = (double)place->rotation[i];
   }
   t->line = m->move_line[k];
   at.x = fmin(at.x, exact_length(m, at.on));
