@@ -538,7 +538,7 @@ def indefinite(model, A, place, name, what):
     progress('factor of %s, %d rows' % (name, A.shape[0]))
     heavy = np.flatnonzero(A.diagonal() > 0)
     part, solver, bad = A[heavy][:, heavy], None, None
-    with contextlib.suppress(RuntimeError, linalg.LinAlgError):  # singular, of which the modes tell more
+    with contextlib.suppress(linalg.LinAlgError):  # singular, of which the modes tell more
         if len(heavy) <= 300:
             bad = most_negative(part)
         elif part.nnz > len(heavy):
@@ -611,9 +611,11 @@ def attached(model, M, options):
     at = np.flatnonzero(np.isin(rows // 6, [model.find(node, '--interface') for node in nodes]))
     F = np.zeros((len(rows), len(at)))
     F[at, np.arange(len(at))] = 1
-    U, by = np.column_stack([solver(f) for f in F.T]), phi[at]
+    U, by = solver(F), phi[at]
     size = np.sqrt(np.einsum('ik,ik->k', U[at].T, np.eye(len(at))))
     rest, turn = linalg.eigh((U[at] - by / value @ by.T) / np.outer(size, size))  # static deflection that is left out
+    if rest[0] < -1e-7:
+        raise Refused('--interface: static deflections of these nodes are less than those of the modes alone (by %.2g of them): K is singular to rounding' % -rest[0])
     U = (U - phi / value @ by.T) / size @ turn[:, rest > 1e-9] / np.sqrt(rest[rest > 1e-9])  # of stiffness 1
     M = M[rows][:, rows]
     U -= phi @ (phi.T @ (M @ U))  # what rounding has left

@@ -9,19 +9,20 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 try:
-    from sksparse import cholmod
+    from sksparsee import cholmod
     cholmod.analyze, cholmod.Factor.cholesky_inplace  # of versions below 0.5
 except (ImportError, AttributeError):
     cholmod = None
 
-SHIFT = 1e-8  # of the diagonal: a pivot less than -SHIFT of it is no rounding
+SHIFTS = 0, 1e-12, 1e-10, 1e-8  # of the diagonal; a matrix that the last one does not make definite is indefinite by more than rounding
+REFINED = 40  # corrections of a solution, at most
 
 
 # ---- factors
 
 
 def cholesky(A):
-    """Solves with A, positive definite; or the row at which it is not."""
+    """Solves with A, positive definite; and the row at which it is not, or None."""
     A = sparse.csc_matrix((A.data, A.indices, A.indptr), shape=A.shape)  # symmetric: its rows are its columns
     factor = cholmod.analyze(A, mode='supernodal', ordering_method='metis')
     try:
@@ -31,26 +32,43 @@ def cholesky(A):
     return factor, None
 
 
-def by_cholmod(A):
-    """As factored. Where A is singular to rounding, what solves is the factor of A and SHIFT of its diagonal."""
-    solve, bad = cholesky(A)
-    if bad is not None:
-        solve, bad = cholesky(sparse.csr_array(A + sparse.diags_array(SHIFT * abs(A.diagonal()))))
-    return solve, bad
+def lower_upper(A):
+    """As cholesky, by SuperLU: a pivot that is rounding counts as not positive. Those of a large factor are not looked at, as its U is a copy."""
+    try:
+        lu = splu(sparse.csc_array(A), permc_spec='MMD_AT_PLUS_A', diag_pivot_thresh=0.0, options={'SymmetricMode': True})
+    except RuntimeError:  # exactly singular
+        return None, 0
+    if lu.nnz > 30000000 or not np.array_equal(lu.perm_r, lu.perm_c):
+        return lu.solve, None
+    pivot = lu.U.diagonal()[lu.perm_c] / A.diagonal()
+    return lu.solve, int(pivot.argmin()) if pivot.min() < 1e-13 else None
+
+
+def refined(A, solve, b):
+    """A solution with A, or one for each column of b, by what solves with nearly A: corrections, while they fall. Where A is singular to rounding,
+    as by shapes of elements that neither stiffness nor mass see, what b has of these makes corrections that do not fall."""
+    x = d = solve(b)
+    for _ in range(REFINED):
+        last, d = abs(d).max(axis=0), solve(b - A @ x)
+        if np.all(abs(d).max(axis=0) > 0.5 * last):
+            break
+        x = x + d
+    return x
 
 
 def factored(A):
-    """Solves with A, symmetric, CSR; and the row of a pivot that is negative by more than SHIFT of its diagonal, or None."""
-    if cholmod:
+    """Solves with A, symmetric, CSR, no eigenvalue of which is negative by more than rounding; else a row that it moves, or None."""
+    factor, bad = cholesky if cholmod else lower_upper, None
+    for shift in SHIFTS:
+        B = sparse.csr_array(A + sparse.diags_array(shift * abs(A.diagonal()))) if shift else A
         try:
-            return by_cholmod(A)
-        except cholmod.CholmodError:  # built without METIS, too large for its numbers or the memory
-            pass
-    lu = splu(sparse.csc_array(A), permc_spec='MMD_AT_PLUS_A', diag_pivot_thresh=0.0, options={'SymmetricMode': True})
-    if lu.nnz > 30000000 or not np.array_equal(lu.perm_r, lu.perm_c):  # its U is a copy
-        return lu.solve, None
-    pivot = lu.U.diagonal()[lu.perm_c] / A.diagonal()
-    return lu.solve, int(pivot.argmin()) if pivot.min() < -SHIFT else None
+            solve, bad = factor(B)
+        except cholmod.CholmodError if cholmod else ():
+            factor = lower_upper  # CHOLMOD was built without METIS, or it is too large for its numbers or the memory
+            solve, bad = factor(B)
+        if bad is None:
+            return (lambda b: refined(A, solve, b)) if shift else solve, None
+    return None, bad
 
 
 # ---- modes
