@@ -1577,8 +1577,8 @@ typedef struct fb_line_load {  /* per length of the undeformed line */
 } fb_line_load;
 
 /* Place of what holds a node, tip or support, relative to where it is built: as the base carries it, if the node is none
-   of the list. Entries of one node follow each other. Zero along and about what is not held; the root is held by the base, which
-   moves by v, w. */
+   of the list. Entries of one node follow each other. Zero along and about what is not held; the root is held by the
+   base, which moves by v, w. */
 typedef struct fb_support_place {
   int node;
   fb_real displacement[3], rotation[3]; /* [m] base axes; [rad] rotation vector, built section axes */
@@ -1830,25 +1830,25 @@ FB_API fb_status fb_system_limit_eval(const fb_system *system, const fb_body *bo
 
 /* One step under loads and motion of the base of its middle. Order 2. Without dissipation the energy of a beam of any
    line and section on a root that is held and at rest, in gravity, under no loads or forces of a fixed direction, is
-   constant but for the last correction of the iteration and the work of these, force times way, whatever the step. A free
-   beam keeps its momentum to rounding; its energy varies by order 2 of the step, whatever the mesh. A limit of stability does not exist; accuracy wants omega dt below about 1 for the
-   modes that matter. Supports beyond the root are brought back to their place across the reaction, so that they do no
-   work: within the next step, in steps below 0.03 fb_exact.time (about a sixtieth of the period of a cantilever's first
-   mode) by the part (dt/0.03 time)^2 of the way, so that the reaction does not grow with shorter steps. Of one rotation
-   that is held alone the rate is held, no place. Steps may differ; one that is longer than the one before damps with
-   order 1. Where supports are moved the input has their places at the end of the step, to which they go at a constant
-   rate; their work, sum of reaction times velocity of fb_exact_node, is what the energy grows by. Motion that begins
-   with a velocity, or a jump, is an impact that rings without dissipation; FB_ERR_VALUE: a turn of 3 rad in a step.
-   Bounded work: desc.factorizations, as many evaluations and at most desc.iterations more, in double precision
-   until the next correction would be rounding, three or four as a rule. One factorization, at the extrapolated state,
-   does for all but a stiff beam that is held along its line at two places and bends much between them in a step: its
-   stretch is quadratic in that, and the iteration contracts slowly. EI = 100 N m^2, 10 m, clamped and pinned at 4 m,
-   let go from 0.4 m, 300 steps that are equal or vary by half: one bears 0.1 s up to EA = 1e5 N, two
-   0.1 s up to 1e7 N, three 0.2 s up to 1e7 N and 0.1 s at 1e8 N, six equal steps of 0.2 s at 1e8 N. FB_ERR_CONVERGENCE:
-   the last correction is not small, or the residual after it not so much smaller that the next one would be below a
-   tenth of its bound (1e-6 of the length, a radian, the largest load; single precision 1e-3): take a shorter step, more
-   iterations or factorizations; FB_ERR_SINGULAR: a node without inertia and stiffness; else as fb_exact_trim. On failure
-   state is as before. */
+   constant but for the last correction of the iteration and the work of these, force times way, whatever the step. A
+   free beam keeps its momentum to rounding; its energy varies by order 2 of the step, whatever the mesh. A limit of
+   stability does not exist; accuracy wants omega dt below about 1 for the modes that matter. Supports beyond the root
+   are brought back to their place across the reaction, so that they do no work: within the next step, in steps below
+   0.03 fb_exact.time (about a sixtieth of the period of a cantilever's first mode) by the part (dt/0.03 time)^2 of the
+   way, so that the reaction does not grow with shorter steps. Of one rotation that is held alone the rate is held, no
+   place. Steps may differ; one that is longer than the one before damps with order 1. Where supports are moved the
+   input has their places at the end of the step, to which they go at a constant rate; their work, sum of reaction
+   times velocity of fb_exact_node, is what the energy grows by. Motion that begins with a velocity, or a jump, is an
+   impact that rings without dissipation; FB_ERR_VALUE: a turn of 3 rad in a step. Bounded work: desc.factorizations,
+   as many evaluations and at most desc.iterations more, in double precision until the next correction would be
+   rounding, three or four as a rule. One factorization, at the extrapolated state, does for all but a stiff beam that
+   is held along its line at two places and bends much between them in a step: its stretch is quadratic in that, and
+   the iteration contracts slowly. EI = 100 N m^2, 10 m, clamped and pinned at 4 m, let go from 0.4 m, 300 steps that
+   are equal or vary by half: one bears 0.1 s up to EA = 1e5 N, two 0.1 s up to 1e7 N, three 0.2 s up to 1e7 N and 0.1
+   s at 1e8 N, six equal steps of 0.2 s at 1e8 N. FB_ERR_CONVERGENCE: the last correction is not small, or the residual
+   after it not so much smaller that the next one would be below a tenth of its bound (1e-6 of the length, a radian,
+   the largest load; single precision 1e-3): take a shorter step, more iterations or factorizations; FB_ERR_SINGULAR: a
+   node without inertia and stiffness; else as fb_exact_trim. On failure state is as before. */
 FB_API fb_status fb_exact_step(const fb_exact *exact, fb_exact_state *state, fb_exact_work *work,
                                const fb_exact_input *middle, fb_real dt);
 #endif
@@ -2827,8 +2827,9 @@ typedef struct fb_exact_path {           /* position on a path of steady states;
 typedef struct fb_exact_path_work fb_exact_path_work; /* scratch; large: make it static */
 
 /* One step of arc-length continuation along the path of steady states under `constant` (NULL: gravity alone) and
-   path->factor times the loads and the ways of supports of `varied`. The path passes limit points, where a load that only grows would jump
-   (snap-through, snap-back), and buckling loads, where a small constant imperfection load selects the branch.
+   path->factor times the loads and the ways of supports of `varied`. The path passes limit points, where a load that
+   only grows would jump (snap-through, snap-back), and buckling loads, where a small constant imperfection load selects
+   the branch.
    state: in and out; at first that of fb_exact_trim under `constant`, with a path all zero. The motion v, w of the base
    is that of `constant`.
    arc: length of the step, shortened where the path is strongly curved. arc^2 is the mean over the nodes of
@@ -3295,7 +3296,7 @@ typedef struct fbi_exact_motion { /* how pose, velocity and momentum hang on the
   fb_real pose;                   /* change of pose by d */
   fb_real shift;                  /* rate of a strain, momentum or pose by itself */
   int damped;                     /* structural damping counts */
-  int stands;                     /* gravity and dead forces have a potential (E11.56) */
+  int potential;                  /* gravity and dead forces have one (E11.56) */
 } fbi_exact_motion;
 
 /* Functions of the twist of an element (E10.28). */

@@ -9107,15 +9107,14 @@ static const fb_real *fbi_damping_of(const fbi_link_work *L, const fb_joint *joi
 /* S += g C + g^2 K of a free joint on springs, its rotation as at small angles: R^T diag R of O, diag of the rotation. */
 static FBI_NOINLINE void fbi_mooring_soften(fb_real S[21], const fbi_link_work *L, const fb_joint *joint, fb_real g)
 {
-  static const int at[6] = {0, 6, 11, 15, 18, 20};
   for (int i = 0; i < 6; i++) {
     const fb_real D = g * joint->damping[i] + g * g * joint->stiffness[i];
     for (int a = 0; a < 3 && i < 3; a++) {
       for (int b = a; b < 3; b++) {
-        S[at[a] + b - a] += D * L->k.R[3 * i + a] * L->k.R[3 * i + b];
+        S[fbi_sym6_at[a] + b - a] += D * L->k.R[3 * i + a] * L->k.R[3 * i + b];
       }
     }
-    S[at[i]] += i < 3 ? FB_R(0.0) : D;
+    S[fbi_sym6_at[i]] += i < 3 ? FB_R(0.0) : D;
   }
 }
 
@@ -11560,9 +11559,9 @@ static void fbi_mooring_values(fb_real value[6], const fb_system_work *w, const 
   fb_quat_to_rotvec(value + 3, x->quat);
 }
 
-/* [E9.30] Springs and dampers of a free joint on the body, about O, in L->mooring: force -k (x - rest) - c v in axes of the ground; moment
-   -T^-T K (theta - rest) - c w in axes of the body, with theta_dot = T^-1 w: the gradient of sum k (theta - rest)^2/2. By
-   E4.7 T^-T f is f - theta x f/2 + g theta x (theta x f).
+/* [E9.30] Springs and dampers of a free joint on the body, about O, in L->mooring: force -k (x - rest) - c v in axes of
+   the ground; moment -T^-T K (theta - rest) - c w in axes of the body, with theta_dot = T^-1 w: the gradient of
+   sum k (theta - rest)^2/2. By E4.7 T^-T f is f - theta x f/2 + g theta x (theta x f).
    Source: virtual work.  Cost: 120 flops, an arctangent.  Fails: FB_ERR_RANGE, near half a turn.
    Test: moorings_are_the_gradient_of_their_energy, moorings_are_massless_carriages. */
 static FBI_NOINLINE fb_status fbi_mooring_load(fb_system_work *w, const fb_link_state *x, int k)
@@ -15579,10 +15578,10 @@ static void fbi_exact_residual_add(fb_exact_work *work, const fb_exact *m, int k
     fbi_exact_joint_rows(work->c + 6 * k, work, m, k);
   } else {
     fbi_exact_compatibility(work->c + 6 * k, c, work, m, k);
-    if (work->motion.stands && work->motion.gravity) {
+    if (work->motion.potential && work->motion.gravity) {
       work->power += c->h * fbi_exact_weight_power(m->weight + 4 * k, c->G, c->V);
     }
-    if (work->motion.stands && (work->motion.dead & 1)) {
+    if (work->motion.potential && (work->motion.dead & 1)) {
       work->power += c->h * FB_R(2.0) / FB_R(3.0) * fb_vec3_dot(c->dead, c->V);
     }
   }
@@ -16828,64 +16827,80 @@ FB_DEF fb_status fb_exact_point_eval(const fb_exact *m, fb_real position[3], fb_
   return FB_OK;
 }
 
+/* 1/2 x.A x */
+static fb_real fbi_exact_square(const fb_real A[36], const fb_real x[6])
+{
+  fb_real y[6];
+  fbi_mat66T_mul_vec6(y, A, x);
+  return FB_R(0.5) * fbi_vec6_dot(x, y);
+}
+
 /* 1/2 x.A x + part rate.A rate */
 static fb_real fbi_exact_quadratic(const fb_real A[36], const fb_real x[6], const fb_real rate[6], fb_real part)
 {
-  fb_real y[6], z[6];
-  fbi_mat66_mul_vec6(y, A, x);
-  fbi_mat66_mul_vec6(z, A, rate);
-  return FB_R(0.5) * fbi_vec6_dot(x, y) + part * fbi_vec6_dot(rate, z);
+  return fbi_exact_square(A, x) + FB_R(2.0) * part * fbi_exact_square(A, rate);
 }
 
-/* Work of gravity g (base axes), of a dead force per length on each element in `line` (NULL: none), from the origin of the
-   base to where the beam is: of nodes and of the geodesic middles of elements. A middle has the mean attitude of its ends
-   and lies off the mean of their places by (1 - cos(phi/2))/phi^2 w x v in its axes, (v, w) the twist, phi = |w|. */
-static fb_real fbi_exact_fallen(const fb_exact *m, const fb_exact_state *state, const fb_real g[3], const fb_real *line)
+/* Attitude of the middle of an element with the rotation vector w, to base axes: the mean of those of its ends. Returns
+   2 (1 - cos(|w|/2)). */
+static fb_real fbi_exact_middle_attitude(fb_real quat[4], const fb_exact *m, const fb_exact_state *state, int k,
+                                         const fb_real w[3])
 {
-  fb_real sum = FB_R(0.0), G[3];
+  const fb_real *const p = state->quat + 4 * m->inboard[k], *const q = state->quat + 4 * k + 4;
+  const int beyond = fb_vec3_dot(w, w) > FB_R(9.8696044010893586); /* half a turn: their scalar product is negative */
+  fb_real product = FB_R(0.0), apart = FB_R(0.0), sign;
+  for (int i = 0; i < 4; i++) {
+    product += p[i] * q[i];
+  }
+  sign = (product < FB_R(0.0)) != beyond ? -FB_R(1.0) : FB_R(1.0);
+  for (int i = 0; i < 4; i++) {
+    const fb_real d = p[i] - sign * q[i];
+    quat[i] = p[i] + sign * q[i];
+    apart += d * d;
+  }
+  (void)fb_quat_normalize(quat);
+  return apart;
+}
+
+/* Work on an element: of gravity g, and of a dead force per length in `line` (NULL: none), base axes, from the origin of
+   the base to its geodesic middle. That is off the mean of the places of its ends by (1 - cos(phi/2))/phi^2 v x w in its
+   axes, (v, w) the twist, phi = |w|. */
+static fb_real fbi_exact_element_work(const fb_exact *m, const fb_exact_state *state, int k, const fb_real g[3],
+                                      const fb_real *line)
+{
+  const fb_real *const p = state->r + 3 * m->inboard[k], *const q = state->r + 3 * k + 3;
+  const fb_real *const weight = m->weight + 4 * k;
+  fb_real theta[6], quat[4], mean[3], off[3], axes[3], apart, ww, work;
+  fbi_exact_theta(theta, m, state, k);
+  ww = fb_vec3_dot(theta + 3, theta + 3);
+  apart = fbi_exact_middle_attitude(quat, m, state, k, theta + 3);
+  fb_vec3_cross(off, theta, theta + 3);
+  for (int i = 0; i < 3; i++) {
+    mean[i] = FB_R(0.5) * (p[i] + q[i]);
+    off[i] *= ww > FB_TINY ? FB_R(0.5) * apart / ww : FB_R(0.125);
+  }
+  fbi_quat_back(axes, quat, g);
+  work = weight[0] * (fb_vec3_dot(g, mean) + fb_vec3_dot(axes, off)) + fb_vec3_dot(weight + 1, axes);
+  if (line) { /* two thirds in the middle */
+    fbi_quat_back(axes, quat, line);
+    work += FB_R(2.0) / FB_R(3.0) * (fb_vec3_dot(line, mean) + fb_vec3_dot(axes, off));
+  }
+  return m->h[k] * work;
+}
+
+/* Work of gravity g from the origin of the base to where the beam is, and of dead forces on the middles of elements, 6 an
+   element in `line` (NULL: none). */
+static fb_real fbi_exact_gravity_work(const fb_exact *m, const fb_exact_state *state, const fb_real g[3],
+                                      const fb_real *line)
+{
+  fb_real sum = FB_R(0.0), axes[3];
   for (int k = 0; k < m->n; k++) {
-    const fb_real *const p = state->quat + 4 * m->inboard[k], *const q = state->quat + 4 * k + 4;
-    const fb_real *const r = state->r + 3 * m->inboard[k], *const weight = m->weight + 4 * k;
-    fb_real theta[6], quat[4], mean[3], e[3], ww, same = FB_R(0.0), apart = FB_R(0.0), size = FB_R(0.0), work;
-    if (m->jointed[k]) {
-      continue;
-    }
-
-    /* Attitude and place of the middle */
-    fbi_exact_theta(theta, m, state, k);
-    ww = fb_vec3_dot(theta + 3, theta + 3);
-    for (int i = 0; i < 4; i++) {
-      same += p[i] * q[i];
-    }
-    same = (same < FB_R(0.0)) != (ww > FB_R(9.8696044010893586)) ? -FB_R(1.0) : FB_R(1.0);
-    for (int i = 0; i < 4; i++) {
-      quat[i] = p[i] + same * q[i];
-      size += quat[i] * quat[i];
-      apart += (p[i] - same * q[i]) * (p[i] - same * q[i]);
-    }
-    size = FB_R(1.0) / FB_SQRT(size);
-    for (int i = 0; i < 4; i++) {
-      quat[i] *= size;
-    }
-    fb_vec3_cross(e, theta, theta + 3);
-    for (int i = 0; i < 3; i++) {
-      mean[i] = FB_R(0.5) * (r[i] + state->r[3 * k + 3 + i]);
-      e[i] *= ww > FB_TINY ? FB_R(0.5) * apart / ww : FB_R(0.125);
-    }
-
-    /* Work */
-    fbi_quat_back(G, quat, g);
-    work = weight[0] * (fb_vec3_dot(g, mean) + fb_vec3_dot(G, e)) + fb_vec3_dot(weight + 1, G);
-    if (line) {
-      fbi_quat_back(G, quat, line + 6 * k);
-      work += FB_R(2.0) / FB_R(3.0) * (fb_vec3_dot(line + 6 * k, mean) + fb_vec3_dot(G, e));
-    }
-    sum += m->h[k] * work;
+    sum += m->jointed[k] ? FB_R(0.0) : fbi_exact_element_work(m, state, k, g, line ? line + 6 * k : NULL);
   }
   for (int j = 0; j <= m->n; j++) {
     const fb_real *const weight = m->node_weight + 4 * j;
-    fbi_quat_back(G, state->quat + 4 * j, g);
-    sum += weight[0] * fb_vec3_dot(g, state->r + 3 * j) + fb_vec3_dot(weight + 1, G);
+    fbi_quat_back(axes, state->quat + 4 * j, g);
+    sum += weight[0] * fb_vec3_dot(g, state->r + 3 * j) + fb_vec3_dot(weight + 1, axes);
   }
   return sum;
 }
@@ -16929,7 +16944,7 @@ FB_DEF fb_status fb_exact_energy_eval(const fb_exact *m, fb_energy *energy, cons
   }
 
   /* Gravity */
-  out.gravity = -unit * (fbi_exact_fallen(m, state, g, NULL) + fbi_exact_mass(m) * origin);
+  out.gravity = -unit * (fbi_exact_gravity_work(m, state, g, NULL) + fbi_exact_mass(m) * origin);
 
   /* Springs of joints */
   for (int j = 0; j < m->n_joint; j++) {
@@ -19528,11 +19543,10 @@ static fb_status fbi_refuse_step(const fb_system_work *w, const fb_system *syste
 
     /* Its joint, or one that closes a loop */
     for (int i = 0; i < joint->n_axis; i++) {
-      static const int own_inertia[6] = {0, 6, 11, 15, 18, 20};
       const int tree = all && !loop && fbi_axis_mode(&w->link[j], joint, i) == FB_AXIS_FREE;
       const fb_real k = fbi_axis_stiffness(joint, i), c = fbi_axis_damping(joint, i);
       const fb_real D = !tree                          ? FB_R(0.0)
-                        : joint->kind == FB_JOINT_FREE ? FB_R(1.0) / w->link[j].S[own_inertia[i]]
+                        : joint->kind == FB_JOINT_FREE ? FB_R(1.0) / w->link[j].S[fbi_sym6_at[i]]
                                                        : w->link[j].D[i];
       const fb_real stiff = loop ? system->limit_loop_elastic : k * D;
       const fb_real damp = loop ? system->limit_loop_damping : c * D;
@@ -20033,8 +20047,8 @@ static FBI_NOINLINE void fbi_axes_soften(fb_system_work *w, const fb_system *sys
   }
 }
 
-/* p -= K d + C u of a free joint on springs as in fbi_mooring_soften: d, u of O in axes of the ground, of the rotation in axes
-   of the body; p in those of the body. */
+/* p -= K d + C u of a free joint on springs as in fbi_mooring_soften: d, u of O in axes of the ground, of the rotation in
+   axes of the body; p in those of the body. */
 static FBI_NOINLINE void fbi_mooring_sub(fb_real p[6], const fbi_link_work *L, const fb_real d[6], const fb_real u[6])
 {
   const fb_joint *const joint = L->joint;
@@ -20583,18 +20597,6 @@ static void fbi_exact_move(fb_exact_state *state, fb_exact_work *work, const fb_
   fbi_exact_poses(state->r, state->quat, m, state);
 }
 
-/* Attitude of the middle of an element, to base axes. */
-static void fbi_exact_middle_attitude(fb_real quat[4], const fb_exact *m, const fb_exact_state *state, int k)
-{
-  fb_real theta[6], half[4];
-  fbi_exact_theta(theta, m, state, k);
-  for (int i = 3; i < 6; i++) {
-    theta[i] *= FB_R(0.5);
-  }
-  fb_quat_from_rotvec(half, theta + 3);
-  fb_quat_mul(quat, state->quat + 4 * m->inboard[k], half);
-}
-
 /* Sum of the forces of a step on the beam, base axes of its middle; a floating base stands still in it. */
 static void fbi_exact_force_sum(fb_real f[3], fb_exact_work *work, const fb_exact *m, const fb_exact_state *state)
 {
@@ -20606,9 +20608,10 @@ static void fbi_exact_force_sum(fb_real f[3], fb_exact_work *work, const fb_exac
     fbi_vec3_add(f, FB_R(1.0), work->dead + 6 * j);
   }
   for (int k = 0; k < m->n && !fbi_is_zero(work->line, 6 * m->n); k++) { /* two thirds in the middle */
-    fb_real start[4], R[9];
+    fb_real theta[6], start[4], R[9];
     fbi_exact_cell_eval(&work->cell, work, m, k, 0);
-    fbi_exact_middle_attitude(start, m, state, k);
+    fbi_exact_theta(theta, m, state, k);
+    (void)fbi_exact_middle_attitude(start, m, state, k, theta + 3);
     fbi_exact_attitude(R, work, start, work->cell.V + 3);
     fb_mat33_mul_vec3(y, R, work->line + 6 * k);
     fbi_vec3_add(f, m->h[k] * FB_R(2.0) / FB_R(3.0), y);
@@ -20722,8 +20725,9 @@ static void fbi_exact_middles_begin(fb_exact_work *work, const fb_exact *m, cons
 {
   for (int k = 0; k < m->n && (work->motion.gravity || (work->motion.dead & 1)); k++) {
     const fb_real *const n = work->line_dead + 6 * k, *const load[3] = {n, n + 3, work->gravity};
-    fb_real start[4], quat[4], R[9];
-    fbi_exact_middle_attitude(start, m, state, k);
+    fb_real theta[6], start[4], quat[4], R[9];
+    fbi_exact_theta(theta, m, state, k);
+    (void)fbi_exact_middle_attitude(start, m, state, k, theta + 3);
     fb_quat_mul(quat, work->before, start);
     fb_quat_to_mat33(R, quat);
     for (int i = 0; i < 3; i++) {
@@ -20733,8 +20737,8 @@ static void fbi_exact_middles_begin(fb_exact_work *work, const fb_exact *m, cons
   fbi_exact_node_momenta(work, m);
 }
 
-/* Is nothing moved from outside, so that gravity and dead forces have a potential? */
-static int fbi_exact_stands(const fb_exact_work *work, const fb_exact *m)
+/* Have gravity and dead forces a potential: are there any, and is nothing moved from outside? */
+static int fbi_exact_has_potential(const fb_exact_work *work, const fb_exact *m)
 {
   int driven = 0;
   for (int j = 0; j < m->n_joint; j++) {
@@ -20759,7 +20763,7 @@ static void fbi_exact_begin(fb_exact_work *work, const fb_exact *m, const fb_exa
   fb_mat33_mulT_vec3(work->drift, work->half, u);
   fbi_vec3_add(work->twist, m->floating ? FB_R(0.0) : -FB_R(1.0), work->drift);
   fbi_exact_places_begin(work, m, state, middle, step);
-  work->motion.stands = fbi_exact_stands(work, m);
+  work->motion.potential = fbi_exact_has_potential(work, m);
   fbi_copy(work->r, state->r, 3 * (m->n + 1));
   fbi_copy(work->quat, state->quat, 4 * (m->n + 1));
   fbi_exact_rate_base(work->strain, state->strain, state->strain_rate, last, 6 * m->n);
@@ -20970,9 +20974,9 @@ static fb_real fbi_exact_unbalance(const fb_exact_work *work, const fb_exact *m,
 }
 
 /* Work of gravity and dead forces up to where the beam is. */
-static fb_real fbi_exact_given(const fb_exact_work *work, const fb_exact *m, const fb_exact_state *state)
+static fb_real fbi_exact_work_done(const fb_exact_work *work, const fb_exact *m, const fb_exact_state *state)
 {
-  fb_real sum = fbi_exact_fallen(m, state, work->gravity, work->motion.dead & 1 ? work->line_dead : NULL);
+  fb_real sum = fbi_exact_gravity_work(m, state, work->gravity, work->motion.dead & 1 ? work->line_dead : NULL);
   for (int j = 0; j <= m->n && (work->motion.dead & 2); j++) {
     sum += fb_vec3_dot(work->dead + 6 * j, state->r + 3 * j);
   }
@@ -20990,24 +20994,16 @@ static fb_real fbi_exact_node_power(const fb_exact_work *work, const fb_exact *m
   return fbi_exact_weight_power(m->node_weight + 4 * node, work->G + 6 * node, V) + fb_vec3_dot(f, V);
 }
 
-/* 1/2 x.A x */
-static fb_real fbi_exact_square(const fb_real A[36], const fb_real x[6])
-{
-  fb_real y[6];
-  fbi_mat66T_mul_vec6(y, A, x);
-  return FB_R(0.5) * fbi_vec6_dot(x, y);
-}
-
 /* [E11.56] Energy of a beam in gravity: the step takes the power of gravity and dead forces in its middle for their work on
    the way to the place after it, which differs by order dt^3. The difference goes into the velocities, all by one factor,
    where it is more than rounding and less than a hundredth of the kinetic energy: energy is exact at any step while
-   nothing is moved from outside. before: E11.56's work up to the start of the step.
+   nothing is moved from outside. before: work up to the start of the step.
    Source: own; projection onto the energy ([HLW] IV.4).  Cost: 300 flops an element.  Fails: never.
    Test: helices_swing_under_their_weight, dead_forces_work_by_their_way, weight_on_the_length_is_gravity. */
 static void fbi_exact_energy_restore(fb_exact_state *state, const fb_exact_work *work, const fb_exact *m,
                                      fb_real before, fb_real step)
 {
-  const fb_real after = fbi_exact_given(work, m, state);
+  const fb_real after = fbi_exact_work_done(work, m, state);
   fb_real power = work->power, kinetic = FB_R(0.0), lost, factor;
   for (int k = 0; k < m->n; k++) {
     kinetic += m->h[k] * fbi_exact_square(m->M_inverse + 36 * k, state->momentum + 6 * k);
@@ -21032,7 +21028,7 @@ static void fbi_exact_energy_restore(fb_exact_state *state, const fb_exact_work 
 /* State after the step from the mid-step values. */
 static void fbi_exact_end(fb_exact_state *state, fb_exact_work *work, const fb_exact *m, fb_real step)
 {
-  const fb_real before = work->motion.stands ? fbi_exact_given(work, m, state) : FB_R(0.0);
+  const fb_real before = work->motion.potential ? fbi_exact_work_done(work, m, state) : FB_R(0.0);
   fb_real due[3] = {FB_R(0.0)};
   if (m->floating) {
     fbi_exact_momentum_due(due, work, m, state, step);
@@ -21040,7 +21036,7 @@ static void fbi_exact_end(fb_exact_state *state, fb_exact_work *work, const fb_e
   fbi_exact_commit(state, work, m, step);
   fbi_exact_move(state, work, m, step);
   fbi_exact_follow(state, work, m, due, step);
-  if (work->motion.stands) {
+  if (work->motion.potential) {
     fbi_exact_energy_restore(state, work, m, before, step);
   }
   state->known = state->known < 3 ? state->known + 1 : 3;

@@ -407,16 +407,19 @@ struct file_of_functions {
     return all_of_them;
   }
 
-  /* What computes without a number that is none may not notice it. A state is numbers alone. In single precision one of
-     two values is chosen by a table: the same instructions on processors that have no selection of floats. */
+  /* In single precision one of two values is chosen by a table: the same instructions on processors that have no selection
+     of floats. */
+  void write_of_two() const
+  {
+    std::fputs(filled(choice, "static inline float @_of_two(int first, float a, float b)\n{\n"
+                              "  const float both[2] = {b, a};\n  return both[first];\n}\n\n")
+                   .c_str(),
+               w.out);
+  }
+
+  /* What computes without a number that is none may not notice it. A state is numbers alone. */
   void write_finite() const
   {
-    if (w.single) {
-      std::fputs(filled(choice, "static inline float @_of_two(int first, float a, float b)\n{\n"
-                                "  const float both[2] = {b, a};\n  return both[first];\n}\n\n")
-                     .c_str(),
-                 w.out);
-    }
     std::fputs(filled(choice, std::string("static int @_is_finite(const @_state *state)\n{\n"
                                           "  const $ *const x = (const $ *)state;\n  $ sum = 0;\n"
                                           "  for (size_t i = 0; i < sizeof *state / sizeof *x; i++) {\n    sum += ") +
@@ -512,6 +515,9 @@ struct file_of_functions {
     }
     for (const auto &k : order) {
       place(all[k.first].made, k.second);
+    }
+    if (!w.wide && w.single) {
+      write_of_two();
     }
     if (!w.wide) {
       write_finite();

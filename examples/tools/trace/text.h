@@ -101,7 +101,7 @@ struct writer {
   {
     auto is_zero = [](number a) { return !node_of(a) && bits(a) == 0; };
     if (!wide && single) { /* a branch where the processor has no selection of floats */
-      return name + "_of_two(" + alone(n.a) + ", " + alone(n.b) + ", " + alone(n.c) + ")";
+      return name + "_of_two(" + of(n.a) + ", " + of(n.b) + ", " + of(n.c) + ")";
     }
     if (!wide) {
       return of(n.a) + " ? " + of(n.b) + " : " + of(n.c);
