@@ -2465,7 +2465,7 @@ typedef struct fb_system_desc {
 
 /* work->joint is the joint that failed.
      FB_ERR_VALUE         a parent that is not an earlier body; both axis and attitude on one side; a free joint as loop
-                          or with springs, friction or stops; friction or stops of a spherical joint; friction without
+                          or with friction or stops; friction or stops of a spherical joint; friction without
                           friction_speed; stops out of order; negative stiffness, damping or length; a spring with both
                           ends on the ground; an invalid mode, form or base of a body
      FB_ERR_CAPACITY      numbers of bodies, loops, springs, models, nodes

@@ -11595,6 +11595,19 @@ static FBI_NOINLINE fb_status fbi_mooring_load(fb_system_work *w, const fb_link_
   return FB_OK;
 }
 
+/* Those of all free joints in a mode. */
+static fb_status fbi_moorings_load(fb_system_work *w, const fb_system *system, const fb_system_state *state,
+                                   fb_axis_mode mode)
+{
+  fb_status status = FB_OK;
+  for (int k = 0; k < system->n_body && system->moored && status == FB_OK; k++) {
+    if (w->link[k].joint->moored && w->link[k].mode[0] == mode) {
+      status = fbi_mooring_load(w, &state->link[k], k);
+    }
+  }
+  return status;
+}
+
 /* Speed of a joint from its frames, which move: relative motion of the child in the direction (force, torque). */
 static fb_real fbi_frames_speed(const fbi_frames *f, const fb_real force[3], const fb_real torque[3])
 {
@@ -11889,11 +11902,7 @@ static fb_status fbi_system_loads(fb_real *power, fb_system_work *w, const fb_sy
     status = status ? status : fbi_forces_load(w, system, body, state, input);
     w->has_forces = 1;
   }
-  for (int k = 0; k < system->n_body && system->moored && status == FB_OK; k++) {
-    if (w->link[k].joint->moored && w->link[k].mode[0] == FB_AXIS_FREE) {
-      status = fbi_mooring_load(w, &state->link[k], k);
-    }
-  }
+  status = status ? status : fbi_moorings_load(w, system, state, FB_AXIS_FREE);
   if (system->n_spring > 0 && status == FB_OK) {
     status = fbi_springs_load(power, w, system, body, input);
   }
@@ -13397,6 +13406,7 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
   /* forces on the bodies, then the efforts of the joints of loops */
   fb_real power;
   FBI_TRY(fbi_system_loads(&power, w, system, body, state, input));
+  FBI_TRY(fbi_moorings_load(w, system, state, FB_AXIS_PRESCRIBED)); /* against which works what prescribes */
 #if FB_WITH_ROTORS
   if (system->carries_rotors) {
     fbi_links_rotors_push(w, system, input);
@@ -13514,10 +13524,14 @@ static fb_real fbi_joint_power(const fb_system_work *w, const fb_joint_motion *a
 {
   fb_real power = FB_R(0.0);
   if (joint->kind == FB_JOINT_FREE) {
+    const fbi_link_work *const L = &w->link[j];
     fb_real v[6];
-    fbi_vec6_copy(v, w->link[j].twist);
-    fbi_own_frame_add(v, FB_R(1.0), w, j);
-    return state->mode[j][0] == FB_AXIS_PRESCRIBED ? fbi_vec6_dot(w->link[j].G, v) : power;
+    if (state->mode[j][0] == FB_AXIS_PRESCRIBED) {
+      fbi_vec6_copy(v, L->twist);
+      fbi_own_frame_add(v, FB_R(1.0), w, j);
+      power = fbi_vec6_dot(L->G, v) - (joint->moored ? fbi_vec6_dot(L->mooring, v) : FB_R(0.0));
+    }
+    return power;
   }
   for (int i = 0; i < joint->n_axis; i++) {
     const fb_real drive = at->drive[i] - fbi_axis_torque(joint, FB_R(0.0), i, at->value[i], at->speed[i]);

@@ -331,6 +331,41 @@ TEST(moorings_are_checked)
   }
 }
 
+/* E9.30: what prescribes a moored body works against its springs and dampers: gradient of the energy times the velocity, and
+   c v^2, c w^2 of the dampers, beside the power without moorings. */
+TEST(what_prescribes_a_moored_body_works_against_the_moorings)
+{
+  const double h = FBT_TOL(1e-4, 2e-2);
+  double want = 0.0, power[2];
+  for (int moored = 0; moored < 2; moored++) {
+    floater(1.2, -0.8, 0.5, 0.5, -0.7, 0.4);
+    desc.joint[0].mode[0] = FB_AXIS_PRESCRIBED;
+    if (moored) {
+      moor(1.0);
+    }
+    init(FB_METHOD_RECURSIVE);
+    memset(&input, 0, sizeof input);
+    for (int i = 0; i < 6; i++) {
+      input.drive[0].rate[i] = (fb_real)(0.3 + 0.2 * i);
+      input.drive[0].acceleration[i] = (fb_real)(0.5 - 0.1 * i);
+    }
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    power[moored] = (double)motion.power;
+  }
+  fb_real R[9], v[3];
+  fb_quat_to_mat33(R, motion.pose[0].quat);
+  fb_mat33_mul_vec3(v, R, motion.motion[0].v);
+  for (int i = 0; i < 6; i++) {
+    const double u = (double)(i < 3 ? v[i] : motion.motion[0].w[i - 3]);
+    const double slope =
+        (8.0 * (energy_at(i, h) - energy_at(i, -h)) - energy_at(i, 2.0 * h) + energy_at(i, -2.0 * h)) / (12.0 * h);
+    want += slope * u + (double)desc.joint[0].damping[i] * u * u;
+  }
+  FBT_NEAR_ABS(power[1] - power[0], want, FBT_TOL(1e-8, 2e-2));
+}
+
 SUITE(system_moorings, RUN(moorings_are_the_gradient_of_their_energy), RUN(moorings_balance_energy),
-      RUN(moorings_are_massless_carriages), RUN(floaters_have_the_frequencies_of_their_matrices),
-      RUN(stiff_moorings_take_long_steps), RUN(moorings_bound_the_step), RUN(moorings_are_checked))
+      RUN(what_prescribes_a_moored_body_works_against_the_moorings), RUN(moorings_are_massless_carriages),
+      RUN(floaters_have_the_frequencies_of_their_matrices), RUN(stiff_moorings_take_long_steps),
+      RUN(moorings_bound_the_step), RUN(moorings_are_checked))

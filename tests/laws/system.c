@@ -10,7 +10,7 @@ static const fbl_feature features[] = {
     {"mode", {"free", "locked", "prescribed", "some"}},
     {"effort", {"none", "spring", "motor", "friction", "stop"}},
     {"loop", {"none", "ball", "hinge", "several", "planar"}},
-    {"spring", {"none", "between", "ground", "pull", "+cord"}},
+    {"spring", {"none", "between", "ground", "pull", "+cord", "+moored"}},
     {"frame", {"plain", "turned", "axis", "+square"}},
     {"body", {"solid", "full", "rigid", "linear", "spin", "large", "mixed", "+strain"}},
     {"made", {"beam", "offset", "lumps", "import", "welded", "two"}},
@@ -52,7 +52,7 @@ enum { ALL_JOINTS = 8, FREE_JOINTS = 7 };
 enum { SOME_MODES = 3 };
 enum { NO_EFFORT, SPRUNG, MOTOR, FRICTION, STOP };
 enum { NO_LOOP, BALL, HINGE, SEVERAL, PLANAR };
-enum { NO_SPRING, BETWEEN, TO_GROUND, PULL, CORD };
+enum { NO_SPRING, BETWEEN, TO_GROUND, PULL, CORD, MOORED };
 enum { PLAIN, TURNED, BY_AXIS, SQUARE };
 enum { SOLID, FULL, COUPLED, LINEAR, SPIN, LARGE, MIXED, STRAIN };
 enum { BEAM, OFFSET_BEAM, WITH_LUMPS, IMPORTED, WELDED, TWO_BEAMS };
@@ -285,6 +285,9 @@ static void legal(int *level)
       level[SPRING] != NO_SPRING) { /* the ground is left behind */
     level[SPRING] = n > 1 ? BETWEEN : NO_SPRING;
   }
+  if (level[SPRING] == MOORED && level[ROOT] != ROOT_FREE && level[ROOT] != ROOT_DRIVEN) {
+    level[SPRING] = TO_GROUND;
+  }
   if (level[BODY] == SOLID) {
     level[MADE] = level[ROTORS] = level[DAMPING] = 0;
   }
@@ -495,6 +498,25 @@ static void frames_draw(fb_joint_desc *d, int ground)
   }
 }
 
+/* Springs and dampers of the root, near the pose where its motion starts. */
+static void mooring_draw(fb_joint_desc *d)
+{
+  fb_real q[4];
+  fbl_stream("start");
+  attitude_draw(q, 0.8, 1);
+  place_draw(d->rest, 0.5, 1);
+  fb_quat_to_rotvec(d->rest + 3, q);
+  fbl_stream("mooring");
+  for (int i = 0; i < 6; i++) {
+    const int turns = i > 2;
+    const double sign = fbl_seen.mirror && (i == 1 || i == 3 || i == 5) ? -1.0 : 1.0;
+    const double off = sign * amplitude * fbl_in(-0.3, 0.3), k = fbl_in(2.0, 8.0), c = fbl_in(0.1, 1.0);
+    d->rest[i] += turns ? (fb_real)off : fbl_unit(off, 0, 1, 0);
+    d->stiffness[i] = fbl_unit(k, 1, turns ? 2 : 0, -2);
+    d->damping[i] = fbl_unit(c, 1, turns ? 2 : 0, -1);
+  }
+}
+
 static void joint_draw(int k)
 {
   fb_joint_desc *const d = &desc.joint[slot[k]];
@@ -505,6 +527,9 @@ static void joint_draw(int k)
   d->parent = ground ? FB_GROUND : slot[parent[k]];
   if (k == 0 && d->kind == FB_JOINT_FREE) {
     d->mode[0] = mode_of(now, 0, 0);
+    if (now[SPRING] == MOORED) {
+      mooring_draw(d);
+    }
     return;
   }
   if (d->kind == FB_JOINT_FREE) {
@@ -537,7 +562,7 @@ static void joint_draw(int k)
 static void springs_draw(void)
 {
   const int two = now[SPRING] == PULL || now[SPRING] == BETWEEN, n = n_body - (now[WHEEL] != 0);
-  desc.n_spring = now[SPRING] == NO_SPRING ? 0 : now[SPRING] == PULL ? 2 : 1;
+  desc.n_spring = now[SPRING] == NO_SPRING || now[SPRING] == MOORED ? 0 : now[SPRING] == PULL ? 2 : 1;
   fbl_number = 0;
   fbl_stream("springs");
   for (int j = 0; j < desc.n_spring; j++) {
@@ -1275,9 +1300,49 @@ static double effort(double *lost, int j, int i)
   return spring + rest;
 }
 
+/* Force and moment of the springs and dampers of the root on it at O, inertial axes, by virtual work: a rotation about each
+   axis changes the rotation vector; 0: none, or what prescribes the root acts, too. lost: the power of the dampers. */
+static int mooring_pull(double *lost, fb_real force[3], fb_real torque[3])
+{
+  const int s = slot[0];
+  const fb_joint *const d = &mechanism.joint[s];
+  const fb_state *const pose = &path[2].motion.pose[s];
+  const fb_real *const v = path[2].node[0][0].velocity, *const w = path[2].motion.motion[s].w;
+  const double small = 1e-4;
+  fb_real drag[3], axes[3];
+  *lost = 0.0;
+  if (now[SPRING] != MOORED) {
+    return 0;
+  }
+  for (int i = 0; i < 3; i++) {
+    force[i] = -d->stiffness[i] * (pose->rho[i] - d->rest[i]) - d->damping[i] * v[i];
+    drag[i] = -d->damping[3 + i] * w[i];
+    *lost += (double)(drag[i] * w[i]) - (double)(d->damping[i] * v[i] * v[i]);
+  }
+  to_inertial(axes, pose->quat, drag);
+  for (int i = 0; i < 3; i++) {
+    fb_real U[5];
+    for (int p = 0; p < 5; p++) {
+      fb_real turn[3] = {0}, by[4], q[4], theta[3];
+      turn[i] = (fb_real)(small * (p - 2));
+      fb_quat_from_rotvec(by, turn);
+      fb_quat_mul(q, by, pose->quat);
+      fb_quat_to_rotvec(theta, q);
+      U[p] = FB_R(0.0);
+      for (int k = 0; k < 3; k++) {
+        U[p] += FB_R(0.5) * d->stiffness[3 + k] * (theta[k] - d->rest[3 + k]) * (theta[k] - d->rest[3 + k]);
+      }
+    }
+    torque[i] = axes[i] - (fb_real)fbl_slope(U, 1, small);
+  }
+  return path[2].state.mode[s][0] == FB_AXIS_FREE;
+}
+
 static double joint_losses(void)
 {
-  double sum = 0.0;
+  double sum;
+  fb_real force[3], torque[3];
+  (void)mooring_pull(&sum, force, torque);
   for (int j = 0; j < n_body + desc.n_loop; j++) {
     const fb_joint *const d = &mechanism.joint[j];
     for (int i = 0; i < axes_of(d->kind) && d->kind != FB_JOINT_FREE; i++) {
@@ -1533,12 +1598,15 @@ static void act(pair total[BODIES_MOST + 1])
   memset(total, 0, (BODIES_MOST + 1) * sizeof *total);
   for (int j = 0; j < n_body + desc.n_loop; j++) {
     const fb_joint *const d = &mechanism.joint[j];
-    const fb_joint_motion *const m = &path[2].motion.joint[j];
-    double x[3];
-    fb_real R[9];
+    double x[3], lost;
+    fb_real R[9], force[3], torque[3];
     joint_frame(x, R, j, 0);
-    add(&total[j < n_body ? j : d->child], 1.0, x, m->force, m->torque);
-    add(&total[d->parent < 0 ? n_body : d->parent], d->parent < 0 ? 1.0 : -1.0, x, m->force, m->torque);
+    if (j != slot[0] || !mooring_pull(&lost, force, torque)) {
+      memcpy(force, path[2].motion.joint[j].force, sizeof force);
+      memcpy(torque, path[2].motion.joint[j].torque, sizeof torque);
+    }
+    add(&total[j < n_body ? j : d->child], 1.0, x, force, torque);
+    add(&total[d->parent < 0 ? n_body : d->parent], d->parent < 0 ? 1.0 : -1.0, x, force, torque);
   }
   for (int k = 0; k < input.n_load; k++) {
     fb_real f[3], t[3];
@@ -1995,10 +2063,17 @@ static double seen_as(const fbl_view *view)
   return miss;
 }
 
+/* Springs of a free joint have axes of the ground, which do not turn. */
+static const fbl_view *turned(void)
+{
+  static const fbl_view shifted = {1.0, 1.0, 1.0, 0, 0, 0, {1.0, 0.0, 0.0, 0.0}, {3.0, -2.0, 5.0}, {0.0, 0.0, 0.0}};
+  return now[SPRING] == MOORED ? &shifted : &fbl_turned;
+}
+
 static double turned_and_shifted(double h)
 {
   (void)h;
-  return seen_as(&fbl_turned);
+  return seen_as(turned());
 }
 
 static double other_units(double h)
@@ -2029,7 +2104,7 @@ static double boosted(double h)
   put(level, BODY, LINEAR, SPIN, FULL);
   put(level, GRAVITY, FBL_CENTER, FBL_CENTER, FBL_GRAVITY);
   put(level, CALLBACK, 0, ROWS, NO_CALLBACK);
-  put(level, SPRING, 0, CORD, level[BODIES] > 0 ? BETWEEN : NO_SPRING);
+  put(level, SPRING, 0, MOORED, level[BODIES] > 0 ? BETWEEN : NO_SPRING);
   FBL_TRY(near_by(level));
   return seen_as(&view);
 }
@@ -2281,7 +2356,7 @@ static double one_body(double h)
   put(level, BODIES, 0, 4, 0);
   put(level, ROOT, 0, ROOT_DRIVEN, ROOT_FREE);
   put(level, BODY, LINEAR, SPIN, FULL);
-  put(level, SPRING, 0, CORD, NO_SPRING);
+  put(level, SPRING, 0, MOORED, NO_SPRING);
   put(level, CALLBACK, 0, ROWS, NO_CALLBACK);
   put(level, WHEEL, 0, 1, 0);
   FBL_TRY(near_by(level));
@@ -2491,7 +2566,9 @@ static fb_status draw_quiet(int *level, double size_of_motion)
   amplitude = size_of_motion;
   status = draw_levels(level);
   for (int j = 0; j < n_body && status == FB_OK; j++) {
-    memset(desc.joint[j].rest, 0, sizeof desc.joint[j].rest);
+    if (desc.joint[j].kind != FB_JOINT_FREE) {
+      memset(desc.joint[j].rest, 0, sizeof desc.joint[j].rest);
+    }
   }
   input_fill(&in, 0.0);
   status = status ? status : system_make();
@@ -2510,6 +2587,7 @@ static double small_steps(double h)
   fb_status status;
   memcpy(level, now, sizeof level);
   put(level, EFFORT, FRICTION, STOP, SPRUNG);
+  put(level, SPRING, MOORED, MOORED, NO_SPRING); /* at large angles their factor is near, E9.30 */
   FBL_TRY(draw_quiet(level, h));
   input_fill(&in[0], 0.0);
   step = 4.0 * step_of(&status, 0);
@@ -2559,7 +2637,7 @@ static double convergence(double h)
     double left[2];
     status = step_as_seen(&left[0], &plain, step * (1 << twice));
     if (status == FB_ERR_CONVERGENCE) {
-      return step_as_seen(&left[1], &fbl_turned, step * (1 << twice)) == status
+      return step_as_seen(&left[1], turned(), step * (1 << twice)) == status
                  ? fabs(left[1] - left[0]) / (left[0] + 1e-300)
                  : 1.0;
     }
@@ -2677,7 +2755,7 @@ static double limits_hold(double h)
     return 1.0;
   }
   mechanism.allow_long_step = 1;
-  step *= now[DAMPING] || now[EFFORT] ? 2.6 : 1.2; /* critical damping: 2.41 */
+  step *= now[DAMPING] || now[EFFORT] || now[SPRING] == MOORED ? 2.6 : 1.2; /* critical damping: 2.41 */
   return step < 0.1 * (double)fbl_unit(1.0, 0, 0, 1) && growth(step) < 1e3 ? 1.0 : 0.0;
 }
 
@@ -2944,8 +3022,8 @@ static int trim(fb_status *status)
   put(level, EFFORT, NO_EFFORT, STOP, SPRUNG); /* at rest at a stop there is no linear model, creep is no rest */
   put(level, ROTORS, FBL_UNBALANCED, FBL_GIVEN, FBL_ON_BOOM);
   put(level, LOOP, PLANAR, PLANAR, HINGE);
-  put(level, BODIES, 3, 4, 2);    /* Newton's method by differences takes long */
-  if (level[ROOT] == ROOT_FREE) { /* nothing that pushes it */
+  put(level, BODIES, 3, 4, 2);                               /* Newton's method by differences takes long */
+  if (level[ROOT] == ROOT_FREE && level[SPRING] != MOORED) { /* nothing that pushes it */
     level[LOAD] = level[GRAVITY] = 0;
     put(level, SPRING, NO_SPRING, CORD, level[BODIES] > 0 ? BETWEEN : NO_SPRING);
   }
