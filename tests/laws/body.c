@@ -11,6 +11,7 @@ enum { BODY_FEATURES = 13, LOAD = BODY_FEATURES, MOTION };
 typedef char one_int_each[sizeof(fbl_choice) == BODY_FEATURES * sizeof(int) ? 1 : -1];
 
 static fb_body body;
+static fb_body_work body_work;
 static fb_state state; /* where the motion starts */
 static fb_input input;
 static double size;
@@ -842,11 +843,53 @@ static double plane_lines(double h)
   return plane ? ends_differ(&first, &second) : 1.0;
 }
 
+/* A body in units of four times the mass and half the time is the plain one by factors of stiffness and masses. Gravity and
+   rotors are none of these, nor the masses of lines. */
+static double by_factors(double h)
+{
+  static look first, second;
+  static fb_body light;
+  static fb_state own;
+  fb_real v[3], w[3], q_dot[FB_MAX_MODES];
+  fbl_view view = {4.0, 1.0, 0.5, 0, 0, 0, {1.0, 0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+  fb_body_factors by = {FB_R(16.0), FB_R(1.0), FB_R(4.0), FB_R(1.0), FB_R(1.0), FB_R(0.0), {0}, {0}};
+  fbl_choice c = now;
+  double step;
+  (void)h;
+  c.gravity = FBL_NO_GRAVITY;
+  c.rotors = FBL_NO_ROTOR;
+  if (now.effects == FBL_LARGE) {
+    view.kg = 1.0;
+    by.stiffness = FB_R(4.0);
+    by.mass = FB_R(1.0);
+  }
+  FBL_TRY(near_by(&c, load_level, motion_level, 0.5));
+  FBL_TRY(look_at(&second, &state, &input));
+  light = body;
+  own = state;
+  fbl_seen = view;
+  FBL_TRY(near_by(&c, load_level, motion_level, 0.5));
+  fbl_plain();
+  FBL_TRY(longest(&step, 0));
+  FBL_TRY(motion_of(&first, 0.3 * step));
+  FBL_TRY(fb_body_scale(&body, &body_work, &light, &by));
+  for (int i = 0; i < 3; i++) {
+    v[i] = second.motion.v[i] / (fb_real)view.s;
+    w[i] = second.motion.w[i] / (fb_real)view.s;
+  }
+  for (int a = 0; a < body.n; a++) { /* q has the unit of the plain one */
+    q_dot[a] = second.motion.q_dot[a] / (fb_real)view.s;
+  }
+  FBL_TRY(fb_state_from_velocity(&body, &own, v, w, q_dot));
+  state = own;
+  FBL_TRY(motion_of(&second, 0.3 * step));
+  return ends_differ(&first, &second);
+}
+
 static fb_implicit_work implicit;
 static fb_rk4_work rk4;
 static fb_exponential exponential;
 static fb_exponential_work exponential_work;
-static fb_body_work body_work;
 
 static fb_stepper stepper;
 static int iterations; /* 0: the default */
@@ -1572,6 +1615,7 @@ static const fbl_law laws[] = {
     {"boosted", "E8.13", boosted, 0.0, {1e-8, 0}},
     {"turned_and_shifted", "E8.13", turned_and_shifted, 0.0, {1e-9, 1e-2}},
     {"other_units", "E8.13", other_units, 0.0, {1e-9, 0}},
+    {"factors_are_other_units", "E8.61", by_factors, 0.0, {1e-9, 0}},
     {"mirror_image", "E8.13", mirrored, 0.0, {1e-9, 1e-2}},
     {"order_of_parts_and_loads", "E8.13", reordered, 0.0, {1e-9, 1e-2}},
     {"plane_lines_are_lines", "E14.3 E14.5", plane_lines, 0.0, {1e-9, 0}},
