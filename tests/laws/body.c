@@ -1149,7 +1149,7 @@ static double growth(double step)
 }
 
 /* Near rest steps of rk4 at the limit are stable, also under wheels that are fast, whose part of the limit is a bound; those
-   a fifth longer are not, of damped modes twice as long. */
+   a fifth longer are not, of damped modes 2.6 times as long (critical damping: 2.41). */
 static double limits_hold(double h)
 {
   fbl_choice c = now;
@@ -1172,7 +1172,7 @@ static double limits_hold(double h)
     return 1.0;
   }
   body.allow_long_step = 1;
-  return body.n > 0 && step < 0.09 * (double)fbl_unit(1.0, 0, 0, 1) && growth((now.damping ? 2.0 : 1.2) * step) < 1e3
+  return body.n > 0 && step < 0.09 * (double)fbl_unit(1.0, 0, 0, 1) && growth((now.damping ? 2.6 : 1.2) * step) < 1e3
              ? 1.0
              : 0.0;
 }
