@@ -435,7 +435,7 @@ static void write_step(writer &w, const subject &s)
       "    for (int i = 0; i < 4; i++) {\n"
       "      q[i] /= size;\n"
       "    }\n"
-      "    for (int j = 0; j < all; j++) { /* d(q/|q|) = (1 - q q^T) dq / |q| */\n"
+      "    for (int j = 0; j < all; j++) { /* d(q/|q|) = (1 - q q') dq / |q| */\n"
       "      const @_real along =\n"
       "          q[0] * w->P[at][j] + q[1] * w->P[at + 1][j] + q[2] * w->P[at + 2][j] + q[3] * w->P[at + 3][j];\n"
       "      for (int i = 0; i < 4; i++) {\n"
