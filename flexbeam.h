@@ -3459,6 +3459,7 @@ struct fb_system_analyse_work {
   fb_real size[FB_MAX_LINEAR / 2], z_dot[FB_MAX_LINEAR / 2], p_dot[FB_MAX_LINEAR / 2], p_moved[FB_MAX_LINEAR / 2];
   fb_real Z[FB_MAX_ROWS * (FB_MAX_LINEAR / 2 + 1)], row_size[FB_MAX_ROWS];
   fb_real steady[FB_MAX_BODIES][6], momenta[FB_MAX_LINEAR / 2]; /* steady speeds of joints, independent momenta */
+  fb_real begun[FB_MAX_BODIES][6]; /* place and rotation vector of free joints on springs where a trim begins */
   fb_link_motion rest[FB_MAX_BODIES];
   int n_rotor; /* whose momentum is not given */
 #if FB_WITH_ROTORS

@@ -32730,7 +32730,7 @@ static fb_real fbi_system_size(const fb_system *system, const fb_body *body)
 }
 
 /* Lists the coordinates of the linear model, free axes of the joints and then modes, with their finite-difference
-   steps. The trim leaves the coordinates of free joints out. */
+   steps. The trim leaves place and attitude of a free joint out unless there is a spring of it (fbi_begun_add). */
 static fb_status fbi_coordinates_find(fb_system_analyse_work *work, const fb_system *system, const fb_body *body,
                                       const fb_system_state *state, int trim)
 {
@@ -32743,8 +32743,8 @@ static fb_status fbi_coordinates_find(fb_system_analyse_work *work, const fb_sys
       for (int i = 0; i < (mode ? model->n : joint->n_axis); i++) {
         const fbi_coordinate c = {k, mode, i};
         const int free = joint->kind == FB_JOINT_FREE, slides = fbi_axis_slides(joint, i) || (free && i < 3);
-        if (!mode &&
-            (state->mode[k][free ? 0 : i] != FB_AXIS_FREE || (free && trim && !(joint->stiffness[i] > FB_R(0.0))))) {
+        if (!mode && (state->mode[k][free ? 0 : i] != FB_AXIS_FREE ||
+                      (free && trim && fbi_is_zero(joint->stiffness + i - i % 3, 3)))) {
           continue;
         }
         FBI_REQUIRE(work->n < FB_MAX_LINEAR / 2, FB_ERR_CAPACITY);
@@ -33079,21 +33079,50 @@ static fb_status fbi_roots_spin(const fbi_subject *s)
   return FB_OK;
 }
 
+/* Adds to the rates what springs would do that hold a free joint along and about the axes without springs of its own where
+   the trim begins: their coordinates are known then. In a steady state they do nothing; the joint's axes and those of its
+   springs are not the same, so that none of the six can be left out. */
+static void fbi_begun_add(const fbi_subject *s, fb_real sign)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  for (int k = 0; k < s->system->n_body; k++) {
+    const fb_joint *const joint = &s->system->joint[k];
+    const fb_real *const K = joint->stiffness;
+    fb_real value[6], f[6], moment[6], on[3], *const p = work->rate.link[k].p;
+    if (!joint->moored || !fbi_is_afloat(s->system, &work->moved, k)) {
+      continue;
+    }
+    fbi_mooring_values(value, &work->system, &work->moved.link[k], k);
+    for (int i = 0; i < 6; i++) {
+      const fb_real most = fbi_larger(K[i - i % 3], fbi_larger(K[i - i % 3 + 1], K[i - i % 3 + 2]));
+      f[i] = K[i] > FB_R(0.0) ? FB_R(0.0) : most * (value[i] - work->begun[k][i]);
+    }
+    fb_pose_to_twist(moment, f + 3, work->moved.link[k].quat);
+    fb_mat33_mul_vec3(on, work->system.link[k].k.R, moment);
+    fbi_vec3_add(p, -sign, f);
+    fbi_vec3_add(p + 3, -sign, on);
+  }
+}
+
 /* Are the free joints of the trimmed state in equilibrium, too? FB_ERR_UNREST where force or torque accelerate one. */
 static fb_status fbi_roots_rest(const fbi_subject *s)
 {
   fb_system_analyse_work *const work = s->system_work;
   const fb_real length = fbi_system_size(s->system, s->body), none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  const fb_real rounding = FB_R(64.0) * FB_EPSILON / FBI_UNREST;
   fb_real torque = FB_R(0.0), w[3];
+  fbi_begun_add(s, -FB_R(1.0));
   for (int k = 0; k < s->system->n_body; k++) {
     const fb_real *const fg = work->system.link[k].k.fg;
     const fb_joint *const joint = &s->system->joint[k];
     torque += fbi_vec3_norm(fg + 3) + length * fbi_vec3_norm(fg);
-    if (joint->moored) { /* of fg loads and springs are in balance */
+    if (joint->moored) { /* of fg loads and springs are in balance; springs at rest have the rounding of their values */
       fb_real value[6];
       fbi_mooring_values(value, &work->system, &work->moved.link[k], k);
       for (int i = 0; i < 6; i++) {
-        torque += (i < 3 ? length : FB_R(1.0)) * joint->stiffness[i] * FB_FABS(value[i] - joint->rest[i]);
+        const fb_real lever = (i < 3 ? length : FB_R(1.0)) * joint->stiffness[i];
+        torque += lever * FB_FABS(value[i] - joint->rest[i]);
+        torque += lever * rounding * (FB_FABS(value[i]) + FB_FABS(joint->rest[i]));
       }
     }
   }
@@ -33128,6 +33157,7 @@ static fb_status fbi_system_residual(fb_real *f, const fbi_subject *s, int j, fb
   fbi_speeds_set(w, s->system, s->body, &work->moved, work->rest, s->system_input);
   fbi_momenta_fill(&work->moved, w, s->system, s->body);
   FBI_TRY(fb_system_rates_eval(s->system, s->body, w, &work->rate, &work->moved, s->system_input));
+  fbi_begun_add(s, FB_R(1.0));
   fbi_system_linear_rates(f, s);
   fbi_copy(f, f + work->n_independent, work->n_independent);
   return FB_OK;
@@ -33583,6 +33613,11 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   for (int k = 0; k < system->n_body; k++) {
     fbi_zero(work->state.link[k].u, 3);
     fbi_zero(work->state.link[k].lost_u, 3);
+  }
+  for (int k = 0; k < system->n_body && system->moored; k++) {
+    fbi_vec3_copy(work->begun[k], state->link[k].x);
+    fbi_vec3_add(work->begun[k], FB_R(1.0), state->link[k].lost_x);
+    fb_quat_to_rotvec(work->begun[k] + 3, state->link[k].quat);
   }
   memset(work->steady, 0, sizeof work->steady);
   memset(work->rest, 0, sizeof work->rest);

@@ -225,6 +225,44 @@ TEST(floaters_have_the_frequencies_of_their_matrices)
   }
 }
 
+/* E9.30, E12.8: wherever the trim begins, a body on springs that bear nothing is found where they rest, and a force moves it
+   by F/k. Its place and rotation along and about axes without springs stay as they are, at any attitude; a force along one
+   of them has no state of rest. */
+TEST(moorings_are_trimmed_to_where_they_rest)
+{
+  static const double begin[4][3] = {{0, 0, 0}, {0.5, -0.3, 0.4}, {0.2, 0.3, 1.4}, {1.7, -0.9, 1.4}};
+  static const double rest[2][6] = {{0.2, -0.1, 0.3, 2.0, -1.0, 1.5}, {0.2, 0.0, 0.0, 0.0, -0.4, 1.2}};
+  for (int run = 0; run < 16; run++) {
+    const int some = run / 4 % 2, pushed = run / 8, k = run % 4;
+    const double push = pushed ? -9.0 : 0.0;
+    fb_real turned[3];
+    floater(0.7, 7.0, -5.0, 0, 0, 0);
+    for (int i = 0; i < 6; i++) {
+      desc.joint[0].stiffness[i] = some && i > 0 && i < 4 ? FB_R(0.0) : (fb_real)(20.0 + 7.0 * i);
+      desc.joint[0].rest[i] = (fb_real)rest[some][i];
+    }
+    turn(start[0].quat, begin[k][0], begin[k][1], begin[k][2]);
+    init(run % 2);
+    input.n_load = 1;
+    for (int i = 0; i < 3; i++) { /* at the origin, which the springs hold */
+      input.load[0].load.force[i] = i ? FB_R(0.0) : (fb_real)push;
+    }
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_trim(&mechanism, model, &state, &analyse_work, &input), FB_OK);
+    fb_quat_to_rotvec(turned, state.link[0].quat);
+    FBT_NEAR_REL(state.link[0].x[0], 0.2 + push / 20.0, FBT_TOL(1e-11, 1e-4));
+    for (int i = 1; i < 6; i++) {
+      const double at = some && i < 4 ? (i < 3 ? (double)start[0].value[i] : begin[k][0]) : rest[some][i];
+      FBT_NEAR_ABS(i < 3 ? state.link[0].x[i] : turned[i - 3], at, FBT_TOL(1e-11, 1e-4));
+    }
+    for (int i = 1; i < 3 && some && pushed; i++) {
+      input.load[0].load.force[i] = FB_R(1.0);
+      FBT_INT_EQ(fb_system_trim(&mechanism, model, &state, &analyse_work, &input), FB_ERR_UNREST);
+      input.load[0].load.force[i] = FB_R(0.0);
+    }
+  }
+}
+
 /* E9.30, E11.13: SDIRK keeps its order through a radian of rotation on unequal springs, and on springs a million times as
    stiff, of which rk4 refuses its steps, it comes to rest where the load holds them. */
 TEST(stiff_moorings_take_long_steps)
@@ -367,5 +405,5 @@ TEST(what_prescribes_a_moored_body_works_against_the_moorings)
 
 SUITE(system_moorings, RUN(moorings_are_the_gradient_of_their_energy), RUN(moorings_balance_energy),
       RUN(what_prescribes_a_moored_body_works_against_the_moorings), RUN(moorings_are_massless_carriages),
-      RUN(floaters_have_the_frequencies_of_their_matrices), RUN(stiff_moorings_take_long_steps),
-      RUN(moorings_bound_the_step), RUN(moorings_are_checked))
+      RUN(floaters_have_the_frequencies_of_their_matrices), RUN(moorings_are_trimmed_to_where_they_rest),
+      RUN(stiff_moorings_take_long_steps), RUN(moorings_bound_the_step), RUN(moorings_are_checked))
