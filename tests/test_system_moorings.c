@@ -339,6 +339,37 @@ TEST(moorings_bound_the_step)
   }
 }
 
+/* E9.30, E11.12: where the springs rest turned by t about z one about x has the frequency (t/2)/sin(t/2) sqrt(k/J); where they
+   turn the body by 90 degrees, or not at all, a spring along x acts across a mass center a off along x, whose frequency is
+   sqrt(k (1/m + a^2/J)). Steps at the limit are stable. */
+TEST(moorings_bound_the_step_where_they_rest)
+{
+  const double m = 2.0, J = 0.5, k = 800.0, a = 0.8;
+  for (int run = 0; run < 6; run++) {
+    const double t = run < 3 ? 1.0 + run : run == 5 ? 0.0 : 1.5707963267948966;
+    const double w2 = run < 3 ? k / J * pow(0.5 * t / sin(0.5 * t), 2.0) : k * (1.0 / m + a * a / J);
+    fb_system_limit limit;
+    fresh();
+    rigid(&model[0], m, run < 3 ? 0 : a, 0, 0, J, J, J);
+    hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+    desc.joint[0].stiffness[run < 3 ? 3 : 0] = (fb_real)k;
+    desc.joint[0].stiffness[5] = run == 5 ? FB_R(0.0) : FB_R(5.0);
+    desc.joint[0].rest[5] = (fb_real)t;
+    turn(start[0].quat, 0.0, 0.0, run == 5 ? 1.5707963267948966 : t);
+    start[0].value[0] = FB_R(1e-4);
+    start[0].speed[3] = FB_R(1e-3);
+    init(run % 2);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_limit_eval(&mechanism, model, &work, &limit, &state, NULL), FB_OK);
+    FBT_NEAR_REL(limit.rk4, 2.0 * sqrt(2.0) / sqrt(w2), 0.06);
+    for (int step = 0; step < 400; step++) {
+      FBT_INT_EQ(
+          fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, (fb_real)(0.999 * (double)limit.rk4)),
+          FB_OK);
+    }
+  }
+}
+
 /* Interface: what a moored joint refuses: frames of its own, springs of axes that it does not have, half a turn. */
 TEST(moorings_are_checked)
 {
@@ -406,4 +437,5 @@ TEST(what_prescribes_a_moored_body_works_against_the_moorings)
 SUITE(system_moorings, RUN(moorings_are_the_gradient_of_their_energy), RUN(moorings_balance_energy),
       RUN(what_prescribes_a_moored_body_works_against_the_moorings), RUN(moorings_are_massless_carriages),
       RUN(floaters_have_the_frequencies_of_their_matrices), RUN(moorings_are_trimmed_to_where_they_rest),
-      RUN(stiff_moorings_take_long_steps), RUN(moorings_bound_the_step), RUN(moorings_are_checked))
+      RUN(stiff_moorings_take_long_steps), RUN(moorings_bound_the_step), RUN(moorings_bound_the_step_where_they_rest),
+      RUN(moorings_are_checked))
