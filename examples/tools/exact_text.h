@@ -660,8 +660,13 @@ static void exact_move_place(text_file *t, exact_text *m, int k)
     x[i + 3] = (double)place->rotation[i];
   }
   t->line = m->move_line[k];
-  at.x = fmin(at.x, exact_length(m, at.on));
+  at.x = at.x < HUGE_VAL ? at.x : exact_length(m, at.on); /* tip */
   place->node = exact_nearest(t, m, &at, "a support that is moved");
+  for (int j = 0; j < k; j++) {
+    if (m->input.support[j].node == place->node) {
+      text_fail(t, "line %d moves what holds the beam there already", m->move_line[j]);
+    }
+  }
   exact_check_move(t, m, place->node, x);
   t->line = line;
 }

@@ -563,6 +563,15 @@ exact 2 "displacement x y z, number 3 of 3 is missing" << END
   tip clamped
   move tip 0.1 0
 END
+exact 2 "a support that is moved at 1.2 is not on the beam" << END
+  tip z
+  move 1.2 0 0 0.1
+END
+exact 3 "line 8 moves what holds the beam there already" << END
+  tip z
+  move tip 0 0 0.1
+  move 1 0 0 0.2
+END
 refuse 7 "supports that are not where they are built at the start want a line trim" << END
 body a exact
   length 1
