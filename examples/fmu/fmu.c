@@ -899,6 +899,9 @@ int fmu_main(int argc, char **argv)
   if (lstat(o.out, &there) == 0 && !S_ISREG(there.st_mode)) {
     return fail("a link, a device, a pipe or a folder, where an FMU becomes a file of its own", o.out);
   }
+  if (same_file(argv[1], o.out)) {
+    return fail("--out: that is the description itself", o.out);
+  }
   fmu_fmi = e.fmi = o.version + 2;
   status = is_scene ? check_scene(argv[1]) : build(argv[1], &parts);
   if (status != 0) {

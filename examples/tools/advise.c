@@ -13,6 +13,7 @@
 #include "words.h"
 #include "../common/output.h"
 #include "../common/plot.h"
+#include "../common/same_file.h"
 #include <time.h>
 
 static const char help[] =
@@ -792,6 +793,29 @@ static int fail_with(const char *file, const char *what, fb_status status)
   return 1;
 }
 
+/* Files to write that are the description, or each other. */
+static int check_files(const options *o, const char *file)
+{
+  char table[512] = "", picture[512] = "";
+  if (o->out) {
+    snprintf(table, sizeof table, "%s.csv", o->out);
+    snprintf(picture, sizeof picture, "%s.svg", o->out);
+  }
+  if (same_file(file, table) || same_file(file, picture)) {
+    return fail("--out: that is the description itself", file);
+  }
+  if (!o->json) {
+    return 0;
+  }
+  if (same_file(file, o->json)) {
+    return fail("--json: that is the description itself", o->json);
+  }
+  return strcmp(o->json, table) == 0 || strcmp(o->json, picture) == 0 || same_file(o->json, table) ||
+                 same_file(o->json, picture)
+             ? fail("--json: that is what --out writes", o->json)
+             : 0;
+}
+
 /* Envelope and advice; status or FB_OK, *what says at which part. */
 static fb_status advise(fb_advice *advice, fb_envelope *e, const options *o, const char **what)
 {
@@ -824,6 +848,10 @@ int advise_main(int argc, char **argv)
   o.simulate = take_flag(&argc, argv, "--simulate");
   o.scene.pulse = take_flag(&argc, argv, "--pulse");
   bad = read_all(argc - named, argv + named, help, read_option, &o);
+  if (bad) {
+    return bad;
+  }
+  bad = check_files(&o, file);
   if (bad) {
     return bad;
   }

@@ -39,11 +39,15 @@ class Blade:
 # ---- files
 
 
+FILES = []  # that were read
+
+
 class Lines:
     """The lines of a text file that are not empty, with their numbers."""
 
     def __init__(self, path):
         self.path, self.at = path, 0
+        FILES.append(path)
         try:
             with open(path, encoding='latin-1') as file:
                 self.lines = [(k, text.strip()) for k, text in enumerate(file, 1) if text.strip()]
@@ -422,6 +426,7 @@ def windio_read(path):
         import yaml
     except ImportError as missing:
         raise Refused('%s: %s: python3 -m pip install pyyaml' % (path, missing))
+    FILES.append(path)
     try:
         with open(path, encoding='utf-8') as file:
             top = yaml.compose(file, Loader=getattr(yaml, 'CSafeLoader', yaml.SafeLoader))
@@ -713,6 +718,8 @@ def main(arguments):
     try:
         blade = read(options)
         lines = list((exact_text if options.form == 'exact' else beam_text)(blade, options))
+        if options.out and os.path.exists(options.out) and any(os.path.samefile(options.out, path) for path in FILES):
+            raise Refused('--out: %s is what is read' % options.out)
     except Refused as error:
         print('blade.py: %s' % error, file=sys.stderr)
         return 1

@@ -1093,6 +1093,8 @@ def body_of(text):
         mass, *center = (value := [float(word) for word in text.split(',')])[:4]
         xx, yy, zz, xy, xz, yz = value[4:]
     except ValueError:
+        value = [math.nan]
+    if not all(map(math.isfinite, value)):
         raise Refused('--body: mass, mass center x y z and inertia about it xx yy zz xy xz yz are wanted, 10 numbers with commas between, not %r' % text)
     return body_block(mass, np.array(center), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
 

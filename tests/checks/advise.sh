@@ -61,6 +61,15 @@ if told['units']['step'] != 's' or any(one['simulated'] or not one['error']['all
     sys.exit(str(told))
 END
 
+# nothing that it writes takes the place of the description, or of another
+cp examples/boom.txt "$out/own.csv"
+ln -f "$out/own.csv" "$out/same.csv"
+for files in "--json $out/same.csv" "--simulate --out $out/own" "--json $out/tried.csv --simulate --out $out/tried" "--json $out/tried.svg --out $out/tried"; do
+  ! build/flexbeam advise "$out/own.csv" --spin 6 --spin-rate 1 $files > "$out/log" 2>&1 || fail "advise $files: not refused"
+  grep -Eq "that is (the description itself|what --out writes)" "$out/log" || fail "advise $files: $(cat "$out/log")"
+done
+cmp -s examples/boom.txt "$out/own.csv" || fail "advise wrote over its description"
+
 # large deflection: the line of modes has the points that they want, and a body takes it
 try build/flexbeam advise examples/boom.txt --base prescribed --force 1,0,0,200 --frequency 0.05
 sed -n '/^1 %: [A-Z]/,/^$/p' "$out/log" > "$out/advice"

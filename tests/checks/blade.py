@@ -235,6 +235,13 @@ for old, new, pattern in [('bend_z 2', 'bend_z 1', 'there is no Fore-aft mode 2:
     if done.returncode != 2 or not re.search(r'tower_.txt: .*' + pattern, done.stderr):
         sys.exit('tower with %s: %s' % (new, done.stderr))
 
+# What is read stays as it is.
+for name, read in (('same.dat', 'same_blade.dat'), ('same.st', 'same.st')):
+    before = open(folder + read).read()
+    status, said = run([folder + name, '--out', folder + read])
+    if status != 1 or 'is what is read' not in said or open(folder + read).read() != before:
+        sys.exit('%s, --out %s: %s %s' % (name, read, status, said))
+
 # Damaged at random: refused with the file, or a description that is written.
 kinds = ['same.dat', 'same_blade.dat', 'same.st', 'same.htc'] + (['same.yaml', 'same2.yaml'] if yaml else [])
 tally = {0: 0, 1: 0}

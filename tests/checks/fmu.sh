@@ -24,6 +24,9 @@ for other in pipe link; do
   ! build/flexbeam fmu "$out/names.txt" --out "$out/$other" 2> "$out/log" || fail "--out $other is taken"
   grep -q 'a link, a device, a pipe' "$out/log" || fail "--out $other: $(cat "$out/log")"
 done
+cp "$out/names.txt" "$out/own.txt"
+! build/flexbeam fmu "$out/own.txt" --out "$out/own.txt" 2> "$out/log" || fail "--out of the description itself is taken"
+grep -q 'that is the description itself' "$out/log" && cmp -s "$out/names.txt" "$out/own.txt" || fail "--out own.txt: $(cat "$out/log")"
 [ -p "$out/pipe" ] && [ -L "$out/link" ] || fail "--out replaces a pipe or a link"
 rm "$out/pipe" "$out/link"
 python=build/venv/bin/python
