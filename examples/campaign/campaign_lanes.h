@@ -127,7 +127,7 @@ static const char *lanes_output_refusal(const scene *s)
   return NULL;
 }
 
-static const tree_choice lanes_choice = {"lanes", 0, TREE_LANES_ALONE, 0, NULL, {{{0}}}, {0}};
+static const tree_choice lanes_choice = {"lanes", 0, TREE_LANES_ALONE, 0, NULL, {{{0}}}, {0}, NULL};
 
 /* Of a loop nothing is told and nothing is part of a state. */
 static const char *lanes_loop_refusal(const scene *s)

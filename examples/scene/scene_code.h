@@ -198,6 +198,22 @@ static const char *scene_code_node_name(int body, int node)
   return scene_code_of->body[body].node_name[node];
 }
 
+/* Names of the nodes and rotors of a body, by the numbers that they have in what is written. */
+static void scene_code_list(FILE *out, int body)
+{
+  const scene *const s = scene_code_of;
+  for (int k = 1; k < s->body[body].n_node; k++) {
+    fprintf(out, "%s%d ", k > 1 ? ", " : "; nodes ", k);
+    output_source(out, s->body[body].node_name[k]);
+  }
+  for (int k = 0; k < s->n_rotor; k++) {
+    if (s->rotor[k].body == body) {
+      fprintf(out, "%s%d ", s->rotor[k].at > 0 ? ", " : "; rotors ", s->rotor[k].at);
+      output_source(out, s->rotor[k].text.name);
+    }
+  }
+}
+
 /* The step by a trace; 1, or 0 with why not in text. */
 static int scene_code_trace(FILE *out, const tree_choice *choice, const char *const *names, char text[400])
 {
@@ -243,8 +259,8 @@ static int scene_write_code(scene *s, const scene_code *c)
   const char *const option = c->jacobian ? "--jacobian" : "--code", *names[FB_MAX_BODIES];
   char name[64], text[400] = "";
   node_set sensors[FB_MAX_BODIES] = {{{0}}};
-  tree_choice choice = {name,    c->single, c->lanes, s->integrator == FB_INTEGRATOR_SDIRK, &engine.system_state,
-                        {{{0}}}, {0}};
+  tree_choice choice = {name,    c->single, c->lanes,       s->integrator == FB_INTEGRATOR_SDIRK, &engine.system_state,
+                        {{{0}}}, {0},       scene_code_list};
   FILE *out;
   fb_status status;
   int good;

@@ -21,6 +21,7 @@ typedef struct tree_choice { /* what is to be written */
   const fb_system_state *start;        /* where NAME_start puts it, NULL: at zero coordinates, at rest */
   node_set loads[FB_MAX_BODIES];       /* the nodes that have a load, of each body; O says nothing */
   unsigned char pulls[FB_MAX_SPRINGS]; /* 1: the spring between points has an actuator */
+  void (*list)(FILE *out, int body);   /* names its nodes and rotors behind it in the head; NULL: without */
 } tree_choice;
 
 static struct tree { /* what is written */
@@ -312,6 +313,9 @@ static inline void tree_write_comment(const code *w, const char *source, unsigne
     fprintf(w->out, "\n   body_%d: %s, %d modes, %s", k, tree.names[k], L->n, tree_kinds[(int)L->joint->kind]);
     if (!tree_is_root(k)) {
       fprintf(w->out, " on %s", L->joint->parent < 0 ? "the ground" : tree.names[L->joint->parent]);
+    }
+    if (tree.choice->list) {
+      tree.choice->list(w->out, k);
     }
   }
   fprintf(w->out, " */\n#ifndef %s_CODE\n#define %s_CODE\n#define %s_crc 0x%08Xu\n", w->name, w->name, w->name, crc);

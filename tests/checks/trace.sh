@@ -51,6 +51,12 @@ scene rotor --loads blade_1.tip,blade_3.tip
 scene two_booms
 derive single O single build/flexbeam reduce examples/satellite.txt --jacobian --single --name single --sensors 0 --out "$out/single.h"
 
+# x at the start has the momentum of a wheel that turns, of its own, last, and of the whole: 0.8 N m s
+{ cat examples/scenes/momentum_wheel.txt; printf 'joint fly free ground hub\nend\n'; } > "$out/begun.txt"
+try build/flexbeam scene "$out/begun.txt" --jacobian "$out/begun.h" --loads hub
+sed -n '/_start\[/,/}/p' "$out/begun.h" | tr -d ' \n' > "$out/start"
+grep -q '8\.000000000000000[0-9]e-01.*,8\.000000000000000[0-9]e-01}' "$out/start" || fail "the start: $(cat "$out/start")"
+
 # the filter that flies on them keeps its own bounds
 try build/examples/tutorial_filter
 

@@ -289,7 +289,21 @@ static void write_list(FILE *out, const std::string &name, const char *what, con
   std::fprintf(out, "};\n\n");
 }
 
-static void write_head(FILE *out, const trace_choice *choice, const subject &s)
+/* A list of numbers that a float or a double reads back. */
+static void write_numbers(FILE *out, const trace_choice *choice, const char *name, const char *what,
+                          const std::vector<double> &list)
+{
+  std::fprintf(out, "/* %s */\nstatic const %s_real %s_%s[%d] = {", what, choice->name, choice->name, name,
+               (int)list.size());
+  for (std::size_t i = 0; i < list.size(); i++) {
+    const char *const apart = i % 6 ? ", " : i ? ",\n    " : "\n    ";
+    std::fprintf(out, "%s%.*e%s", apart, choice->single ? 8 : 16, list[i], choice->single ? "f" : "");
+  }
+  std::fprintf(out, "};\n\n");
+}
+
+/* start: state at which the scene starts; the body at rest. */
+static void write_head(FILE *out, const trace_choice *choice, const subject &s, const std::vector<double> &start)
 {
   const char *const n = choice->name, *const real = choice->single ? "float" : "double";
   std::string file = choice->file;
@@ -311,15 +325,12 @@ static void write_head(FILE *out, const trace_choice *choice, const subject &s)
   std::fprintf(out, "typedef %s %s_real;\n", real, n);
   std::fprintf(out, "enum { %s_STATES = %d, %s_INPUTS = %d, %s_ERR_BRANCH = %d };\n\n", n, (int)s.state.size(), n,
                (int)s.input.size(), n, (int)BRANCH);
-  write_list(out, std::string(n) + "_state", "x, as members of the library's state", s.state);
+  write_list(out, std::string(n) + "_state",
+             "x, as members of the library's state; in q and pi rotors, their angles and momenta, follow the modes",
+             s.state);
   write_list(out, std::string(n) + "_input", "u; forces and torques in body axes", s.input);
-  const std::vector<double> v = s.values();
-  std::fprintf(out, "/* A state near which it was traced, and inputs. */\nstatic const %s_real %s_near[%d] = {", n, n,
-               (int)v.size());
-  for (std::size_t i = 0; i < v.size(); i++) {
-    std::fprintf(out, "%s%.8e%s", i % 6 ? ", " : i ? ",\n    " : "\n    ", v[i], choice->single ? "f" : "");
-  }
-  std::fprintf(out, "};\n\n");
+  write_numbers(out, choice, "start", "x at the start of the scene; of a single body, at rest.", start);
+  write_numbers(out, choice, "near", "A state near which it was traced, and inputs.", s.values());
 }
 
 /* A function of a model without and with its Jacobian, and the table of its entries. */
@@ -549,11 +560,13 @@ static int write(FILE *out, const trace_choice *choice, subject &s, char text[40
   if (!namesakes(s).empty()) {
     return fail(text, namesakes(s));
   }
+  std::vector<double> start = s.values();
+  start.resize(s.state.size());
   if (!find_state(s, status)) {
     return fail(text, "no state near the start that the library steps: " + refused_by(status));
   }
   const std::vector<double> near = s.values();
-  write_head(out, choice, s);
+  write_head(out, choice, s, start);
   for (int f = 0; f <= (int)s.sensor.size(); f++) {
     std::vector<number> results;
     std::vector<std::string> names;
