@@ -82,7 +82,7 @@ static int scene_family_make(scene_family *f, const double *value)
 /* ---- modes of rest at speed */
 
 #define REST_TOLD 1e-4  /* what is worth a word */
-#define REST_COMPARED 6 /* slowest modes */
+#define REST_COMPARED 6 /* slowest modes of each body that turns */
 
 /* [rad/s], [m] The spin of a body across the line of its first beam, and the distance of its root from the axis. */
 static void rest_spin(double spun[2], const scene *s, int b)
@@ -105,8 +105,8 @@ static void rest_spin(double spun[2], const scene *s, int b)
   spun[1] = sqrt(modal_dot(across, across)) / modal_dot(w, w);
 }
 
-/* Frequencies of the slowest modes that oscillate, of the slower half of them; how many. */
-static int rest_frequencies(double omega[REST_COMPARED], scene *s)
+/* Frequencies of the `most` slowest modes that oscillate, of the slower half of them; how many. */
+static int rest_frequencies(double omega[SCENE_MODES], scene *s, int most)
 {
   static scene_mode mode[SCENE_MODES];
   const int n = modes_solve(s, mode);
@@ -114,7 +114,7 @@ static int rest_frequencies(double omega[REST_COMPARED], scene *s)
   for (int k = 0; k < n; k++) {
     all += mode[k].damped > 0;
   }
-  for (int k = 0; k < n && found < REST_COMPARED && 2 * found < all; k++) {
+  for (int k = 0; k < n && found < most && 2 * found < all; k++) {
     if (mode[k].damped > 0) {
       omega[found++] = mode[k].undamped;
     }
@@ -126,7 +126,7 @@ static int rest_frequencies(double omega[REST_COMPARED], scene *s)
    the lower frequency is nearer to it (Rayleigh-Ritz). The scene is read again, for its modes alone. */
 static void scene_tell_rest(scene_family *f, const double *value)
 {
-  double was[REST_COMPARED], is[REST_COMPARED], worst = 0;
+  double was[SCENE_MODES], is[SCENE_MODES], worst = 0;
   scene *const s = f->s;
   int n, at = 0, turns = 0, rests = 0;
   for (int b = 0; b < s->n_body; b++) {
@@ -138,11 +138,11 @@ static void scene_tell_rest(scene_family *f, const double *value)
   for (int b = 0; b < s->n_body; b++) {
     if (s->body[b].rests) {
       rest_spin(scene_spun[b], s, b);
-      turns |= scene_spun[b][0] > 0;
+      turns += scene_spun[b][0] > 0;
     }
   }
-  n = turns ? rest_frequencies(was, s) : 0;
-  if (n > 0 && scene_family_make(f, value) == 0 && rest_frequencies(is, s) >= n) {
+  n = turns ? rest_frequencies(was, s, REST_COMPARED * turns) : 0;
+  if (n > 0 && scene_family_make(f, value) == 0 && rest_frequencies(is, s, n) >= n) {
     for (int k = 0; k < n; k++) {
       const double off = was[k] / is[k] - 1;
       at = off > worst ? k : at;

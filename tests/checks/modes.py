@@ -360,6 +360,33 @@ def check_rest():
         want(done.stderr == '', done.stderr)
 
 
+def check_rest_of_three():
+    """Three blades on hinges for flap and lag: modes of rest are good enough for their six slowest modes, which are rigid; what
+    bends is told of."""
+    text = 'trim\nbody hub rigid\n  hub 100  0 0 0  20 20 40\nend\njoint shaft revolute ground hub\n  rate 1 constant 27\nend\n'
+    for k in range(3):
+        text += 'body cross_%d rigid\nend\nbody blade_%d ' % (k, k) + ('like blade_0\n' if k else '''beam
+  length 7.68
+  elements 16
+  stations x mass EI_y EI_z
+    0 6.5 12000 250000
+  end
+  modes bend_y 4 bend_z 4
+end
+''')
+        text += 'joint hinge_%d universal hub cross_%d\n  attitude z %d\n  axis 0 0 1  0 -1 0\n' % (k, k, 120 * k)
+        text += '  position %.15g %.15g 0\nend\n' % (0.32 * np.cos(k * 2 * np.pi / 3), 0.32 * np.sin(k * 2 * np.pi / 3))
+        text += 'joint grip_%d rigid cross_%d blade_%d\nend\n' % (k, k, k)
+    told = subprocess.run(['build/flexbeam', 'scene', write('three.txt', text), '--modes'], capture_output=True, text=True).stderr
+    figures = re.search(r'modes of rest: (.*) rad/s is .* % too high.*makes it (.*) rad', told)
+    want(figures, 'modes of rest of three blades are not told of: ' + told)
+    was, now = map(float, figures.groups())
+    omega, part = hinged(27, twist=0)
+    third = omega[part > 0.5][2]
+    near('third flap of three blades with the line spin', now, third, 1e-4)
+    want(was / third > 1.002, 'modes of rest of three blades: %g, %g' % (was, third))
+
+
 def check_refusals():
     for words, text in (
             (('--campbell', 'speed', 1, 2, 3), 'speed'), (('--campbell', 'spin', 1, 2), 'wants NAME FROM TO N'),
@@ -375,6 +402,6 @@ def check_refusals():
 
 
 for check in (check_hinged_blade, check_crossing, check_nrel, check_onset, check_rotor, check_overdamped, check_names, check_animation, check_family,
-              check_measures, check_rest, check_refusals):
+              check_measures, check_rest, check_rest_of_three, check_refusals):
     check()
 print(', '.join('%s %.1e' % item for item in worst.items()))
