@@ -170,7 +170,7 @@ static disc look_at_disc(const scene *s, double azimuth)
 {
   disc d = {0};
   for (int k = 0; k < BLADES; k++) {
-    const double psi = azimuth + 0.5 * pi * k;
+    const double psi = azimuth + blade_azimuth(k);
     fb_node_motion tip;
     double beta;
     node_motion(&tip, s, k, TIP);

@@ -1,6 +1,6 @@
-/* rotor_flight - a rotor of four blades on hinges for flap and lag at an offset, which bend in both planes and twist, in
-   hover and in forward flight: strip theory along the blades, uniform inflow by momentum theory. The shaft is normal to
-   the flight. Collective and cyclic pitch are trimmed by Newton's method for a thrust and a tilt of the disc. psi = 0
+/* rotor_flight - a rotor of four blades (-DROTOR_BLADES=3: three) on hinges for flap and lag at an offset, which bend in
+   both planes and twist, in hover and in forward flight: strip theory along the blades, uniform inflow by momentum
+   theory. The shaft is normal to the flight. Collective and cyclic pitch are trimmed by Newton's method for a thrust and a tilt of the disc. psi = 0
    downwind, pitch theta_0 + theta_1c cos psi + theta_1s sin psi, flap and lag in multiblade coordinates.
    Checks: frequencies of the hinges and of torsion [A12], [A13]; trim, flap and hub moments of stiff blades against
    rigid ones in closed form [A11], in hover and in flight; blades that bend and twist are trimmed to the same.
@@ -10,7 +10,7 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "../../flexbeam.h"
 #define PROGRAM "rotor_flight"
-#define AIR_BODIES 9
+#define AIR_BODIES (1 + 2 * BLADES)
 #include "../common/check.h"
 #include "../common/articulated_rotor.h"
 #include "../common/options.h"
@@ -179,7 +179,7 @@ static void begin_ride(ride *r, const rotor_data *d, const fidelity *f, double a
   set_drives(&input, &r->data, 0);
   start[0].speed[0] = input.drive[0].rate[0];
   for (int k = 0; k < BLADES; k++) {
-    const double c = cos(0.5 * pi * k), s = sin(0.5 * pi * k), *const beta = first->flap;
+    const double c = cos(blade_azimuth(k)), s = sin(blade_azimuth(k)), *const beta = first->flap;
     start[CROSS(k)].value[FLAP] = (fb_real)(beta[0] + beta[1] * c + beta[2] * s);
     start[CROSS(k)].speed[FLAP] = (fb_real)(d->spin * (beta[2] * c - beta[1] * s));
     start[BLADE(k)].value[0] = input.drive[BLADE(k)].value[0];

@@ -1,6 +1,6 @@
-/* articulated_rotor.h - four flexible blades on hinges for flap and lag and pitch bearings, on a shaft that is driven.
+/* articulated_rotor.h - flexible blades on hinges for flap and lag and pitch bearings, on a shaft that is driven.
    At the offset each blade hangs on a universal joint, its cross without mass, and on that by its bearing. Include
-   flexbeam.h and check.h before, with nine bodies. */
+   flexbeam.h and check.h before, with 1 + 2 BLADES bodies. */
 #ifndef ARTICULATED_ROTOR_H
 #define ARTICULATED_ROTOR_H
 #include "rigid_rotor.h"
@@ -64,7 +64,7 @@ static inline void make_rotor(fb_system *rotor, fb_body model[MODELS], fb_system
   desc.joint[0] = (fb_joint_desc){.kind = FB_JOINT_REVOLUTE, .parent = FB_GROUND, .mode = {FB_AXIS_PRESCRIBED}};
   for (int k = 0; k < BLADES; k++) {
     fb_joint_desc *const hinge = &desc.joint[CROSS(k)], *const bearing = &desc.joint[BLADE(k)];
-    const double azimuth = 0.5 * pi * k;
+    const double azimuth = blade_azimuth(k);
     desc.model[CROSS(k)] = CROSS_MODEL;
     desc.model[BLADE(k)] = BLADE_MODEL;
     hinge->kind = FB_JOINT_UNIVERSAL;
@@ -91,7 +91,7 @@ static inline void set_drives(fb_system_input *input, const rotor_data *d, doubl
   input->drive[0].rate[0] = (fb_real)W;
   for (int k = 0; k < BLADES; k++) {
     fb_drive *pitch = &input->drive[BLADE(k)];
-    const double c = cos(azimuth + 0.5 * pi * k), s = sin(azimuth + 0.5 * pi * k);
+    const double c = cos(azimuth + blade_azimuth(k)), s = sin(azimuth + blade_azimuth(k));
     const double wave = degree * (d->cyclic_cos * c + d->cyclic_sin * s);
     pitch->value[0] = (fb_real)(degree * d->collective + wave);
     pitch->rate[0] = (fb_real)(W * degree * (d->cyclic_sin * c - d->cyclic_cos * s));

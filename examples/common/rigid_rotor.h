@@ -1,11 +1,20 @@
-/* rigid_rotor.h - a rotor of four articulated blades in hover by closed forms: rigid blades at small angles, momentum
+/* rigid_rotor.h - a rotor of articulated blades in hover by closed forms: rigid blades at small angles, momentum
    theory, the coning of a blade that bends. */
 #ifndef RIGID_ROTOR_H
 #define RIGID_ROTOR_H
 #include <math.h>
 
-enum { BLADES = 4, STRIPS = 4 }; /* of air on each blade */
+#ifndef ROTOR_BLADES
+#define ROTOR_BLADES 4 /* 3 or more */
+#endif
+enum { BLADES = ROTOR_BLADES, STRIPS = 4 }; /* of air on each blade */
 static const double pi = 3.14159265358979324, degree = 3.14159265358979324 / 180.0;
+
+/* [rad] Blade k is ahead of blade 0 by so much. */
+static inline double blade_azimuth(int k)
+{
+  return 2 * pi * k / BLADES;
+}
 
 typedef struct rotor_data {
   double spin, radius, offset;               /* [rad/s], [m], [m] of the flap and lag hinges */

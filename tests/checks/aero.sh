@@ -13,6 +13,8 @@ for program in wing_goland ground_resonance rotor_flight; do
 done
 try build/examples/ground_resonance --blades 3 --offset 0.5 --lag-damper 9000 --damping 15000 --out "$out/damped.csv"
 try build/examples/rotor_flight --offset 0.4 --tilt-cos 1 --tilt-sin -0.5 --advance 0.1 --gj 1500 --out "$out/tilted.csv"
+try ${CC:-cc} $c99 -O1 -DROTOR_BLADES=3 -o "$out/three" examples/aero/rotor_flight.c -lm
+try "$out/three" --thrust 6000 --out "$out/three.csv"
 status=0
 build/examples/wing_goland --density 0.6 --modes 7 > "$out/log" 2>&1 || status=$?
 [ $status = 2 ] && grep -q -- '--modes is 2 to 6' "$out/log" || fail "wing_goland --modes 7: exit status $status"
