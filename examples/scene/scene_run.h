@@ -1023,6 +1023,25 @@ static int scene_measure_spectrum(scene *s)
 }
 
 /* A loop closes near the start that is asked for, or elsewhere. */
+/* Closing loops also moves modes, where joints have not the speeds of the linkage: they have a part of its energy then. */
+static void scene_tell_bent(const scene *s, int b, FILE *talk)
+{
+  fb_real q[FB_MAX_MODES], asked[FB_MAX_MODES] = {0};
+  double energy = 0;
+  scene_start_modes(b, q, asked, &s->body[b]);
+  for (int a = 0; a < engine.body[b].n; a++) {
+    const double off = (double)(engine.view.motion.motion[b].q_dot[a] - asked[a]);
+    energy += 0.5 * off * off;
+  }
+  if (energy > 1e-6 * (double)engine.view.energy.kinetic) {
+    fprintf(
+        talk,
+        "body %s starts with modes that move, to close a loop at the speeds of the start: begin at rest, or `start` "
+        "joints with the speeds of the linkage\n",
+        s->body[b].name);
+  }
+}
+
 static void scene_tell_moved(const scene *s, FILE *talk)
 {
   for (int k = 0; k < s->n_joint && s->n_loop > 0 && !s->trim; k++) {
@@ -1033,6 +1052,9 @@ static void scene_tell_moved(const scene *s, FILE *talk)
         fprintf(talk, "joint %s starts at %.6g instead of %.6g, where its loop is closed\n", joint->name, value, asked);
       }
     }
+  }
+  for (int b = 0; b < s->n_body && s->n_loop > 0 && !s->trim; b++) {
+    scene_tell_bent(s, b, talk);
   }
 }
 

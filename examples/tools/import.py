@@ -1746,6 +1746,15 @@ def effective(model, want):
                        'about them' % tuple(np.round(share, 9)))
 
 
+def light(model, want, words):
+    """A frame that the modes leave (almost) nothing to: by itself the body can hardly be stepped."""
+    scale = 1 / np.sqrt(np.maximum(np.diag(want)[:6], 1e-300))
+    left = np.linalg.eigvalsh((want[:6, :6] - want[:6, 6:] @ want[:6, 6:].T) * np.outer(scale, scale))[0]
+    if left < 1e-3 and not any(word.split()[0] in ('hub', 'base') for word in words):
+        model.notes.append('the modes carry all of its mass but %.1g %% in some direction: by itself it wants --word "base prescribed" or a hub, on a '
+                           'joint of a scene neither' % (100 * max(left, 0)))
+
+
 def static_loss(model, marks):
     """What the modes leave out of the deflection of a node under a force or moment there: 1 - sum of phi^2 / w^2 over that of K."""
     if not model.static:
@@ -1954,6 +1963,7 @@ def convert(options):
         if name and name in [other for _, other in marks[:k]]:
             raise Refused('--mark: two nodes have the name %s' % name)
     effective(model, want)
+    light(model, want, options.word)
     static_loss(model, marks)
     lines, extra = lines_of(model, options.line, masses) if options.line else ([], extremes(model))
     progress('writing')

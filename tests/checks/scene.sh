@@ -296,6 +296,20 @@ sed -i '/rate 1/d; /^parameter rate/d; /^output\|^measure\|^expect/d' "$out/move
 try build/flexbeam scene "$out/moved.txt" --code "$out/moved.h"
 grep -q "$told" "$out/log" || fail "--code: nothing is said of joints that a loop moves"
 
+# modes that a loop moves at the start are told, too, and not where joints have the speeds of the linkage, by closed form:
+# crank and coupler in line at 0 and pi, rocker upright
+printf 'duration 0.01\nbody crank rigid\n  hub 1  0 0 0  1 1 1\n  node 0.3 0 0 pin\nend\nbody coupler beam\n  length 0.7\n  elements 4\n' > "$out/bent.txt"
+printf '  stations x mass EI_y EI_z\n    0 1 90 90\n  end\n  load 4 y\n  modes bend_y 1\n  node tip pin\nend\nbody rocker rigid\n  hub 1  0 0 0  1 1 1\n' >> "$out/bent.txt"
+printf '  node 0.5 0 0 pin\nend\njoint shaft revolute ground crank\n  start 1 1.5707963267948966 2\nend\njoint pin revolute crank.pin coupler\n' >> "$out/bent.txt"
+printf '  start 1 -1.5707963267948966\nend\njoint pivot revolute ground rocker\n  position 0.7 -0.2 0\n  start 1 1.5707963267948966\nend\n' >> "$out/bent.txt"
+printf 'loop knee revolute coupler.pin rocker.pin\nend\n' >> "$out/bent.txt"
+told='body coupler starts with modes that move'
+try build/flexbeam scene "$out/bent.txt"
+grep -q "$told" "$out/log" || fail "nothing is said of modes that a loop moves"
+sed -i -e '/^  start 1 -1.57/s/$/ -2/' -e '/^joint pivot/,/^end/s/^  start .*/& 1.2/' "$out/bent.txt" # coupler does not turn: 2 0.3/0.5
+try build/flexbeam scene "$out/bent.txt"
+! grep -q "$told" "$out/log" || fail "the speeds of a linkage: $(cat "$out/log")"
+
 # a table of a spreadsheet: byte order mark, quotes, semicolons
 printf '\357\273\277"t [s]"; "x"\r\n0;3\r\n"1" ; 3\r\n' > "$out/table.csv"
 printf 'duration 1\nbody b rigid\n  hub 1  0 0 0  1 1 1\nend\nload b dead force 1 0 0 file table.csv t x\n' > "$out/table.txt"
