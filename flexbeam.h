@@ -194,7 +194,7 @@
      fb_build_work             4291912  most of it an fb_modes_work
      fb_form_work                11648  FB_WITH_FORMS
      fb_analyse_work           1290104
-     fb_system_analyse_work    2016984
+     fb_system_analyse_work    2017368
      fb_exact_path_work         238648
      fb_exact_spectrum_work    1853192
      fb_exact_linear_work      2306072
