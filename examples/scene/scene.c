@@ -278,7 +278,7 @@ static int run_family(command *c, const char *path, int campbell, int quiet)
       }
     }
   }
-  if (scene_files_check(path, o, campbell && o->csv && !quiet, NULL) != 0) {
+  if (scene_files_check(path, o, campbell && o->csv && !quiet, NULL, NULL) != 0) {
     return 2;
   }
   failed = campbell ? scene_campbell(f, o->csv, !quiet) : scene_linear_family(f, linear, !quiet);
@@ -351,7 +351,7 @@ int scene_main(int argc, char **argv)
   if (!failed && c.options.mode > 0 && !(modes && c.options.animation)) {
     return fail("--mode is for --modes with --animation FILE", "");
   }
-  if (!failed && scene_files_check(argv[1], &c.options, has_curves(s, &c.options), c.write.file) != 0) {
+  if (!failed && scene_files_check(argv[1], &c.options, has_curves(s, &c.options), c.code, c.jacobian) != 0) {
     return 2;
   }
   failed = failed ? failed : c.write.file ? scene_write_code(s, &c.write) : run_scene(s, &c.options);

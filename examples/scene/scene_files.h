@@ -72,8 +72,10 @@ static int scene_empty_folder(const char *folder)
   return 0;
 }
 
-/* 0, or 2 after a message; curves: some are drawn beside --out; step: file of --code. What was not there is not there afterwards. */
-static int scene_files_check(const char *scene_name, const scene_options *o, int curves, const char *step)
+/* 0, or 2 after a message; curves: some are drawn beside --out; step, jacobian: files of C, or NULL. What was not there is
+   not there afterwards. */
+static int scene_files_check(const char *scene_name, const scene_options *o, int curves, const char *step,
+                             const char *jacobian)
 {
   char svg[512], bode[512], frame[512], part[OUTPUT_NAME];
   scene_out out[] = {{"--out", o->csv, 0},
@@ -83,6 +85,7 @@ static int scene_files_check(const char *scene_name, const scene_options *o, int
                      {"curves of --margins", o->margins && o->talk && output_is_plain(o->margins) ? bode : NULL, 0},
                      {"--linear", o->linear, 0},
                      {"--code", step, 0},
+                     {"--jacobian", jacobian, 0},
                      {"--picture", o->picture, 0},
                      {"--animation", o->animation, 0},
                      {"--frames", o->frames ? frame : NULL, 0}};
