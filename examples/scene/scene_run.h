@@ -1069,8 +1069,9 @@ static int scene_run_rows(scene *s, const scene_options *o, scene_run_state *run
   s->began = 1;
   // of a base that spins gyroscopic forces decide
   if (s->is_exact && s->trim && exact_run.work.unstable > 0 && fb_vec3_dot(exact_run.input.w, exact_run.input.w) == 0) {
-    scene_warn(s, o->warn, "warning: the steady state is unstable, in %d directions, as beyond a buckling load",
-               exact_run.work.unstable);
+    char why[160];
+    scene_warn(s, o->warn, "warning: the steady state is unstable, in %d directions, %s", exact_run.work.unstable,
+               exact_overstretched(why, &exact_run.beam, &exact_run.state) ? why : "as beyond a buckling load");
   }
   if (o->talk) {
     scene_tell_moved(s, o->talk);

@@ -147,7 +147,9 @@ static void tell_state(void)
   printf("%-28s %14.7g\n", "strain energy", (double)energy.strain);
   // of a base that spins gyroscopic forces decide
   if (beam_work.unstable > 0 && fb_vec3_dot(beam_input.w, beam_input.w) == 0) {
-    printf("%-28s %14d directions, as beyond a buckling load\n", "unstable in", beam_work.unstable);
+    char why[160];
+    printf("%-28s %14d directions, %s\n", "unstable in", beam_work.unstable,
+           exact_overstretched(why, &beam, &beam_state) ? why : "as beyond a buckling load");
   }
 }
 
@@ -305,6 +307,12 @@ int exact_main(int argc, char **argv)
             status == FB_ERR_SINGULAR
                 ? "; is it held against every motion, and the root, not the tip, where it is rigid?"
                 : "");
+    if (status == FB_ERR_CONVERGENCE && beam_input.n_support > 0) {
+      fprintf(stderr,
+              "exact: its first element bears a tension of 12 EI/h^2 = %.4g; a slack line of more wants more "
+              "elements, or more EI\n",
+              exact_bears(&beam, 0));
+    }
     return 1;
   }
   if (o.linear) {

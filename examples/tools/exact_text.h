@@ -718,4 +718,31 @@ static void exact_places(text_file *t, exact_text *m)
     exact_curve_stations(t, m);
   }
 }
+
+/* [N] Tension that element k bears, 12 EI/h^2 of a straight one (fb_exact_desc.n_element): of its flexibility across by
+   E10.6 the softer one. */
+static double exact_bears(const fb_exact *exact, int k)
+{
+  const double y = (double)(exact->C[36 * k + 7] - exact->section[36 * k + 7]);
+  const double z = (double)(exact->C[36 * k + 14] - exact->section[36 * k + 14]);
+  return fmax(y, z) > 0 ? (double)exact->force / fmax(y, z) : HUGE_VAL;
+}
+
+/* Says of the element whose tension is furthest beyond that; 0, and an empty text: none is. */
+static inline int exact_overstretched(char text[160], const fb_exact *exact, const fb_exact_state *state)
+{
+  double most = 1;
+  text[0] = '\0';
+  for (int k = 0; k < exact->n; k++) {
+    fb_exact_element element;
+    if (fb_exact_element_eval(exact, &element, state, k) == FB_OK &&
+        (double)element.force[0] > most * exact_bears(exact, k)) {
+      most = (double)element.force[0] / exact_bears(exact, k);
+      snprintf(text, 160,
+               "wrong, as element %d has a tension of %.4g and bears 12 EI/h^2 = %.4g: more elements, or more EI", k,
+               (double)element.force[0], exact_bears(exact, k));
+    }
+  }
+  return text[0] != '\0';
+}
 #endif

@@ -310,6 +310,22 @@ sed -i -e '/^  start 1 -1.57/s/$/ -2/' -e '/^joint pivot/,/^end/s/^  start .*/& 
 try build/flexbeam scene "$out/bent.txt"
 ! grep -q "$told" "$out/log" || fail "the speeds of a linkage: $(cat "$out/log")"
 
+# a slack line by the elastic catenary (58317.39 N across, 61750.28 N down at its anchor); a mesh too coarse for its EI says so
+slack() {
+  printf 'length 220\nelements 80\nstation 0\nstiffness 6e7 0 0 1e4 %s %s\nmass 95\ngravity 0 0 -9.81\n' "$1" "$1" > "$out/slack.txt"
+  printf 'root x y z rx\ntip x y z\nmove tip -60 0 75\n' >> "$out/slack.txt"
+  build/flexbeam exact "$out/slack.txt" > "$out/log" 2>&1 || true
+}
+slack 2e5
+awk '/^force on the root/ { off = sqrt($6 * $6 + $8 * $8) / 84937.0 - 1; if (off < 0) off = -off; if (off < 1e-3) found = 1 } END { exit !found }' "$out/log" ||
+  fail "a slack line: $(cat "$out/log")"
+! grep -q 'unstable in' "$out/log" || fail "a slack line is unstable: $(cat "$out/log")"
+slack 2e4
+grep -q 'unstable in.*wrong, as element .* bears 12 EI/h^2 = 3.174e+04: more elements' "$out/log" ||
+  fail "a mesh too coarse for a slack line: $(cat "$out/log")"
+slack 2e2
+grep -q 'a tension of 12 EI/h^2 = 317.4' "$out/log" || fail "a slack line without much EI: $(cat "$out/log")"
+
 # a table of a spreadsheet: byte order mark, quotes, semicolons
 printf '\357\273\277"t [s]"; "x"\r\n0;3\r\n"1" ; 3\r\n' > "$out/table.csv"
 printf 'duration 1\nbody b rigid\n  hub 1  0 0 0  1 1 1\nend\nload b dead force 1 0 0 file table.csv t x\n' > "$out/table.txt"
