@@ -186,7 +186,7 @@
      fb_rk4_work                  1728
      fb_implicit_work             9920
      fb_exponential_work          4752
-     fb_system_work             684344
+     fb_system_work             684728
      fb_exact_work              206504
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
@@ -194,7 +194,7 @@
      fb_build_work             4291912  most of it an fb_modes_work
      fb_form_work                11648  FB_WITH_FORMS
      fb_analyse_work           1290104
-     fb_system_analyse_work    2017368
+     fb_system_analyse_work    2017752
      fb_exact_path_work         238648
      fb_exact_spectrum_work    1853192
      fb_exact_linear_work      2306072
@@ -3190,8 +3190,10 @@ typedef struct fbi_link_work {
   fb_real U[18], D[3];  /* S A, 1/(A S A) */
   int factored;         /* of a free joint: the factors of S are known */
   fbi_sym6_factors factors;
-  fb_real stiffness[3], damping[3]; /* of the axes of a joint with friction or stops, in an implicit step */
-  fb_real mooring[6];               /* of a free joint on springs: their force and moment about O, body axes */
+  fb_real stiffness[9],
+      damping[3];     /* of the axes of a joint with friction or stops, in an implicit step; of a free joint on
+                                       springs stiffness of its rotation, 3x3 */
+  fb_real mooring[6]; /* of a free joint on springs: their force and moment about O, body axes */
   fb_real E[FB_MAX_MODES * FB_MAX_MODES], X[6 * FB_MAX_MODES];
   fb_real y[6], p[6], pi[FB_MAX_MODES];                                  /* right-hand side */
   fb_real b[6], r[3], e[FB_MAX_MODES];                                   /* eliminated */

@@ -9104,17 +9104,20 @@ static const fb_real *fbi_damping_of(const fbi_link_work *L, const fb_joint *joi
   return joint->rubs && g > FB_R(0.0) ? L->damping : joint->damping;
 }
 
-/* S += g C + g^2 K of a free joint on springs, its rotation as at small angles: R^T diag R of O, diag of the rotation. */
+/* S += g C + g^2 K of a free joint on springs: R^T diag R of O, of the rotation what fbi_axes_soften has found. */
 static FBI_NOINLINE void fbi_mooring_soften(fb_real S[21], const fbi_link_work *L, const fb_joint *joint, fb_real g)
 {
-  for (int i = 0; i < 6; i++) {
+  for (int i = 0; i < 3; i++) {
     const fb_real D = g * joint->damping[i] + g * g * joint->stiffness[i];
-    for (int a = 0; a < 3 && i < 3; a++) {
+    for (int a = 0; a < 3; a++) {
       for (int b = a; b < 3; b++) {
         S[fbi_sym6_at[a] + b - a] += D * L->k.R[3 * i + a] * L->k.R[3 * i + b];
       }
     }
-    S[fbi_sym6_at[i]] += i < 3 ? FB_R(0.0) : D;
+  }
+  for (int i = 0; i < 3; i++) {
+    S[fbi_sym6_at[3 + i]] += g * joint->damping[3 + i];
+    fbi_row_sub(S + fbi_sym6_at[3 + i], -g * g, L->stiffness + 4 * i, 3 - i);
   }
 }
 
@@ -11557,6 +11560,19 @@ static void fbi_mooring_values(fb_real value[6], const fb_system_work *w, const 
     value[i] = fbi_true_position(w, k, w->link[k].rho, i);
   }
   fb_quat_to_rotvec(value + 3, x->quat);
+}
+
+/* p = T^-T K T^-1 u: what springs k of the rotation vector do against a small rotation u, body axes, where they rest. */
+static void fbi_mooring_turn(fb_real p[3], const fb_real u[3], const fb_real k[3], const fb_real quat[4])
+{
+  const fb_real back[4] = {quat[0], -quat[1], -quat[2], -quat[3]};
+  fb_real theta_dot[6], moment[6];
+  fb_pose_to_twist(theta_dot, u, back);
+  for (int i = 0; i < 3; i++) {
+    theta_dot[i] *= k[i];
+  }
+  fb_pose_to_twist(moment, theta_dot, quat);
+  fbi_vec3_copy(p, moment);
 }
 
 /* [E9.30] Springs and dampers of a free joint on the body, about O, in L->mooring: force -k (x - rest) - c v in axes of
@@ -19377,7 +19393,7 @@ static void fbi_mooring_multiply(fb_real p[6], const fb_real u[6], const fb_join
 {
   const fb_real *const a = A == FBI_STIFFNESS ? joint->stiffness : joint->damping;
   const fb_real most = fbi_larger(a[0], fbi_larger(a[1], a[2]));
-  fb_real quat[4], R[9], f[6], on[6];
+  fb_real quat[4], R[9], f[3];
   fb_quat_from_rotvec(quat, joint->rest + 3);
   fb_quat_to_mat33(R, quat);
   fb_mat33_mul_vec3(f, R, u);
@@ -19387,13 +19403,7 @@ static void fbi_mooring_multiply(fb_real p[6], const fb_real u[6], const fb_join
   }
   fb_mat33_mulT_vec3(p, R, f);
   if (A == FBI_STIFFNESS) {
-    const fb_real back[4] = {quat[0], -quat[1], -quat[2], -quat[3]};
-    fb_pose_to_twist(f, u + 3, back);
-    for (int i = 0; i < 3; i++) {
-      f[i] *= a[3 + i];
-    }
-    fb_pose_to_twist(on, f, quat);
-    fbi_vec3_copy(p + 3, on);
+    fbi_mooring_turn(p + 3, u + 3, a + 3, quat);
   }
 }
 
@@ -20071,13 +20081,20 @@ static void fbi_stiffness_sub(fb_real *y, fb_real s, fbi_link_work *L, const fb_
   (void)L;
 }
 
-/* Stiffness and damping of the axes of joints with friction or stops for E11.13; of friction as a secant, with which the iterations approach
-   the speed from one side: its tangent would send them past zero. */
+/* For E11.13 stiffness and damping of the axes of joints with friction or stops; of friction as a secant, with which the iterations approach
+   the speed from one side: its tangent would send them past zero. Of free joints on springs the stiffness of the rotation,
+   3x3, without what their moment adds, which is not symmetric and vanishes where they rest. */
 static FBI_NOINLINE void fbi_axes_soften(fb_system_work *w, const fb_system *system, const fb_system_state *at)
 {
   for (int k = 0; k < system->n_body; k++) {
     const fb_joint *joint = &system->joint[k];
     fbi_link_work *L = &w->link[k];
+    if (joint->moored) { /* symmetric: its columns are its rows */
+      for (int i = 0; i < 3; i++) {
+        const fb_real unit[3] = {(fb_real)(i == 0), (fb_real)(i == 1), (fb_real)(i == 2)};
+        fbi_mooring_turn(L->stiffness + 3 * i, unit, joint->stiffness + 3, at->link[k].quat);
+      }
+    }
     if (!joint->rubs) {
       continue;
     }
@@ -20097,13 +20114,13 @@ static FBI_NOINLINE void fbi_axes_soften(fb_system_work *w, const fb_system *sys
 static FBI_NOINLINE void fbi_mooring_sub(fb_real p[6], const fbi_link_work *L, const fb_real d[6], const fb_real u[6])
 {
   const fb_joint *const joint = L->joint;
-  fb_real f[6], on[3];
-  for (int i = 0; i < 6; i++) {
+  fb_real f[3], on[3];
+  for (int i = 0; i < 3; i++) {
     f[i] = joint->stiffness[i] * d[i] + joint->damping[i] * u[i];
+    p[3 + i] -= fb_vec3_dot(L->stiffness + 3 * i, d + 3) + joint->damping[3 + i] * u[3 + i];
   }
   fb_mat33_mulT_vec3(on, L->k.R, f);
   fbi_vec3_add(p, -FB_R(1.0), on);
-  fbi_vec3_add(p + 3, -FB_R(1.0), f + 3);
 }
 
 /* Right-hand side g r_p - g^2 K r_v of E11.13. */
@@ -20323,7 +20340,7 @@ static fb_status fbi_newton_correct(fb_system_work *w, fb_system_state *k, fbi_n
 
   /* Residual f - k and iteration matrix */
   fbi_system_advance(&w->rate, &w->rate, -FB_R(1.0), k, system, body);
-  if (system->rubs) {
+  if (system->rubs || system->moored) {
     fbi_axes_soften(w, system, &w->stage);
   }
   FBI_TRY(fbi_mass_factor(w, system, body, g));

@@ -321,6 +321,37 @@ TEST(stiff_moorings_take_long_steps)
   }
 }
 
+/* E9.30: springs that rest at a rotation of 2.6 rad, 0.1 s being 50 times the longest step of rk4: three iterations find the balance of
+   a moment with the gradient of the energy. */
+TEST(stiff_moorings_that_rest_at_a_turn_take_long_steps)
+{
+  static const double rest[3] = {1.6, 1.9, -0.8}, load[3] = {3e3, -2e3, 1e3};
+  const double h = FBT_TOL(1e-5, 1e-2);
+  for (int form = 0; form < 2; form++) {
+    floater(0.0, 0.0, 0.0, rest[0], rest[1], rest[2]);
+    moor(1.0);
+    for (int i = 0; i < 6; i++) {
+      desc.joint[0].stiffness[i] *= FB_R(1e6);
+      desc.joint[0].damping[i] *= FB_R(1e3);
+      desc.joint[0].rest[i] = (fb_real)(i < 3 ? 0.0 : rest[i - 3]);
+    }
+    init(form);
+    input.n_load = 1;
+    input.load[0].load.axes = FB_AXES_BODY;
+    for (int i = 0; i < 3; i++) {
+      input.load[0].load.torque[i] = (fb_real)load[i];
+    }
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    for (int k = 0; k < 200; k++) {
+      FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &input, FB_R(0.1), 3), FB_OK);
+    }
+    for (int i = 0; i < 3; i++) {
+      const double slope = (energy_at(3 + i, h) - energy_at(3 + i, -h)) / (2.0 * h);
+      FBT_NEAR_ABS(slope, load[i], FBT_TOL(1e-3, 3e-2) * 3e3);
+    }
+  }
+}
+
 /* E9.30, E11.12: the limit of rk4 is that of the fastest frequency, of round bodies sqrt(k/m) and sqrt(k/J), and of dampers. */
 TEST(moorings_bound_the_step)
 {
@@ -437,5 +468,5 @@ TEST(what_prescribes_a_moored_body_works_against_the_moorings)
 SUITE(system_moorings, RUN(moorings_are_the_gradient_of_their_energy), RUN(moorings_balance_energy),
       RUN(what_prescribes_a_moored_body_works_against_the_moorings), RUN(moorings_are_massless_carriages),
       RUN(floaters_have_the_frequencies_of_their_matrices), RUN(moorings_are_trimmed_to_where_they_rest),
-      RUN(stiff_moorings_take_long_steps), RUN(moorings_bound_the_step), RUN(moorings_bound_the_step_where_they_rest),
-      RUN(moorings_are_checked))
+      RUN(stiff_moorings_take_long_steps), RUN(stiff_moorings_that_rest_at_a_turn_take_long_steps),
+      RUN(moorings_bound_the_step), RUN(moorings_bound_the_step_where_they_rest), RUN(moorings_are_checked))

@@ -2587,7 +2587,6 @@ static double small_steps(double h)
   fb_status status;
   memcpy(level, now, sizeof level);
   put(level, EFFORT, FRICTION, STOP, SPRUNG);
-  put(level, SPRING, MOORED, MOORED, NO_SPRING); /* at large angles their factor is near, E9.30 */
   FBL_TRY(draw_quiet(level, h));
   input_fill(&in[0], 0.0);
   step = 4.0 * step_of(&status, 0);
