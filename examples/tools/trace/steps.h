@@ -586,14 +586,15 @@ struct file_of_functions {
     for (int kind : g.apart) {
       kinds += (kinds.empty() ? "" : ", ") + std::to_string(kind);
     }
-    std::fprintf(w.out,
-                 "static %s_status %s(%s *r, const %s *a)\n{\n  static const int kind[%s] = {%s};\n  %s_work w;\n"
-                 "  w.n_row = %s;\n  for (int i = 0; i < %s; i++) {\n    w.kind[i] = kind[i];\n"
-                 "    for (int j = 0; j <= i; j++) {\n      w.Q[i * %s + j] = w.Q[j * %s + i] = *a++;\n    }\n  }\n"
-                 "  for (int i = 0; i < %s; i++) {\n    w.column[i] = a[i];\n    w.c[i] = a[%s + i];\n  }\n"
-                 "  %s_rows_apart(&w);\n",
-                 n.c_str(), own.c_str(), real.c_str(), real.c_str(), m.c_str(), kinds.c_str(), n.c_str(), m.c_str(),
-                 m.c_str(), m.c_str(), m.c_str(), m.c_str(), m.c_str(), n.c_str());
+    std::fprintf(
+        w.out,
+        "static %s_status %s(%s *r, const %s *a)\n{\n  static const int kind[%s] = {%s};\n  %s_work w;\n"
+        "  w.n_row = %s;\n  for (int i = 0; i < %s; i++) {\n    w.kind[i] = kind[i];\n"
+        "    for (int j = 0; j <= i; j++) {\n      w.Q[i * %s + j] = *a;\n      w.Q[j * %s + i] = *a++;\n    }\n  }\n"
+        "  for (int i = 0; i < %s; i++) {\n    w.column[i] = a[i];\n    w.c[i] = a[%s + i];\n  }\n"
+        "  %s_rows_apart(&w);\n",
+        n.c_str(), own.c_str(), real.c_str(), real.c_str(), m.c_str(), kinds.c_str(), n.c_str(), m.c_str(), m.c_str(),
+        m.c_str(), m.c_str(), m.c_str(), m.c_str(), n.c_str());
     for (const auto &r : k.results) {
       const int i = r.first - g.n_input - 1, rows_of = (int)g.apart.size();
       std::fprintf(w.out, "  r[%d] = w.%s[%d];\n", r.second, i < rows_of ? "mu" : "angle", i % rows_of);
