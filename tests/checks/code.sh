@@ -2,7 +2,7 @@
 # The generated step (reduce --code): twenty random models, every set of effects and geometrically exact lines agree with fb_rk4_step
 # after 1,000 steps, on each base, with loads and without, and refuse what it refuses; the text compiles without warnings as C99 and C++ and is the same each time; its
 # instructions keep their bounds and do not vary; the step with variable parameters agrees with the library and descriptions that have them;
-# lanes have the bits of single steps; what cannot be written is refused by name.
+# lanes have the bits of single steps.
 . tests/checks/common.sh
 . tests/checks/board.sh
 need gcc gcc
@@ -324,51 +324,6 @@ vary 12 "full damping" $all 1.3,0.6,1.7,0.8,1.2 --single
 given=
 largest=$polynomial
 
-# refuse_vary WHY LIST [DESCRIPTION]: names that are none, or that the body has not
-refuse_vary() {
-  ! build/flexbeam reduce "${3:-$out/random.txt}" --code --vary "$2" --out "$out/none.h" 2> "$out/log" || fail "--vary $2 is taken"
-  grep -q -- "$1" "$out/log" || fail "--vary $2: $(tail -n 1 "$out/log")"
-  [ ! -e "$out/none.h" ] || fail "--vary $2: a file is written"
-}
-refuse_vary "wants names" stiffness,weight
-! build/flexbeam reduce "$out/random.txt" --code --vary stiffness --vary mass --out "$out/none.h" 2> "$out/log" || fail "--vary is taken twice"
-grep -q "all names at once" "$out/log" || fail "--vary twice: $(tail -n 1 "$out/log")"
-refuse_vary "wants names" mass,mass
-refuse_vary "wants names" ""
-! build/flexbeam reduce "$out/random.txt" --vary mass > "$out/log" 2>&1 || fail "--vary without --code is taken"
-grep -q -- "an option of --code" "$out/log" || fail "--vary without --code: $(tail -n 1 "$out/log")"
-sed 's/^effects.*/effects large damping/' "$out/random.txt" > "$out/other.txt"
-refuse_vary "stiffness and damping only" stiffness,mass "$out/other.txt"
-sed 's/^hub.*//' "$out/random.txt" > "$out/other.txt"
-refuse_vary "which the description has not" hub_mass "$out/other.txt"
-sed 's/^effects.*/effects full/; s/^damping.*//' "$out/random.txt" > "$out/other.txt"
-refuse_vary "the body has none" damping "$out/other.txt"
-sed 's/^modes/spin 1 0\nmodes/' "$out/random.txt" > "$out/other.txt"
-refuse_vary "modes at rest" stiffness "$out/other.txt"
-printf 'rigid\nhub 5 0 0 0 1 1 1\nbase free\n' > "$out/other.txt"
-refuse_vary "choose hub_mass" mass "$out/other.txt"
-refuse_vary "has no modes" stiffness "$out/other.txt"
-refuse_vary "with rotors varies" mass examples/satellite_wheels.txt
-
-# refuse_loads WHY LIST [OPTION]
-refuse_loads() {
-  ! build/flexbeam reduce "$out/other.txt" ${3:---code} --loads "$2" --out "$out/none.h" > "$out/log" 2>&1 || fail "--loads $2 is taken"
-  grep -q -- "$1" "$out/log" || fail "--loads $2: $(tail -n 1 "$out/log")"
-  [ ! -e "$out/none.h" ] || fail "--loads $2: a file is written"
-}
-cp "$out/random.txt" "$out/other.txt"
-for list in 0 origin; do
-  refuse_loads "the load on the origin is an input anyway" $list
-done
-for list in 9 nowhere; do
-  refuse_loads "there is no such node; choose 1 to .*: $list" $list
-done
-refuse_loads "a node is named twice" 1,1
-for list in "" 1,; do
-  refuse_loads "a name is missing" "$list"
-done
-refuse_loads "an option of --code" 1 --single
-
 # lanes OPTION...: those of what was generated, bit for bit; on a machine without these vectors they are compiled alone
 lanes() {
   try gcc $c99 -O1 $given -DPRESCRIBED=$([ $base_is = prescribed ] && echo 1 || echo 0) "$@" -I"$out" -o "$out/run" tests/checks/code_lanes.c -lm
@@ -439,8 +394,6 @@ done
 base_is=free
 given=
 sed -i 's/^base.*/base free/' "$out/random.txt"
-! build/flexbeam reduce "$out/random.txt" --lanes > "$out/log" 2>&1 || fail "--lanes without --code is taken"
-grep -q -- "--lanes is an option of --code" "$out/log" || fail "--lanes without --code: $(tail -n 1 "$out/log")"
 given=-DNUMBER=double
 sed 's/^effects.*/effects large damping gravity/' "$out/random.txt" > "$out/other.txt"
 try build/flexbeam reduce "$out/other.txt" --name generated --code --lanes --out "$out/code.h"
