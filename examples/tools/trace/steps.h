@@ -40,10 +40,11 @@ static unsigned bit_of_pointer(std::vector<std::string> &pointer, const std::str
   return 0u;
 }
 
-/* A check that nothing is beyond the largest number, of numbers that nothing else needs. */
+/* A check that nothing is beyond the largest number, of numbers that nothing else needs; in their place one of the results. */
 static void leave_out_checks(const std::vector<number> &results)
 {
   graph &g = R.all[0];
+  bool any = false;
   std::vector<guard> all = g.guards;
   for (guard &c : g.guards) {
     c.status = c.status == FB_ERR_NOT_FINITE ? 0 : c.status;
@@ -63,6 +64,15 @@ static void leave_out_checks(const std::vector<number> &results)
       }
     }
     g.guards[k].status = needed_too ? all[k].status : g.guards[k].status;
+    any = any || g.guards[k].status != all[k].status;
+  }
+  number sum = 0.0;
+  for (std::size_t k = 0; k < results.size() && any; k++) {
+    const number size = node_of(results[k]) ? make('f', results[k], 0.0, 0.0) : 0.0;
+    sum = node_of(sum) && node_of(size) ? make('+', sum, size, 0.0) : node_of(size) ? size : sum;
+  }
+  if (node_of(sum)) {
+    g.guards.push_back({'l', sum, FB_HUGE, true, (int)g.nodes.size() - 1, R.n_asked++, FB_ERR_NOT_FINITE, ""});
   }
 }
 
