@@ -193,7 +193,7 @@
      fb_body_work               426040
      fb_build_work             4291912  most of it an fb_modes_work
      fb_form_work                11648  FB_WITH_FORMS
-     fb_analyse_work           1290104
+     fb_analyse_work           1302584
      fb_system_analyse_work    2017752
      fb_exact_path_work         238648
      fb_exact_spectrum_work    1853192
@@ -3438,6 +3438,9 @@ struct fb_analyse_work {
   fb_state state, moved, rate;
   fb_motion steady, motion;
   fb_input input;
+#if FB_WITH_LARGE_DEFLECTION
+  fb_line_motion point[FB_MAX_LINE_POINTS]; /* of the trimmed state, with distributed loads */
+#endif
 };
 
 #if FB_WITH_SYSTEM

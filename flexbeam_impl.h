@@ -32484,14 +32484,14 @@ static fb_real fbi_transverse_norm(const fb_real w[3], const fb_real x[3])
 
 #if FB_WITH_LARGE_DEFLECTION
 /* torque += summed magnitudes of the distributed loads at the trimmed state, forces with the lever `length`. */
-static fb_status fbi_distributed_size(fb_real *torque, const fb_analyse_work *work, const fb_body *body,
+static fb_status fbi_distributed_size(fb_real *torque, fb_analyse_work *work, const fb_body *body,
                                       const fb_input *input, fb_real length)
 {
-  fb_line_motion point[FB_MAX_LINE_POINTS];
   int n = 0;
-  FBI_TRY(fb_body_lines_eval(body, point, &n, &work->moved, &work->motion, input));
+  FBI_TRY(fb_body_lines_eval(body, work->point, &n, &work->moved, &work->motion, input));
   for (int k = 0; k < n; k++) {
-    *torque += fbi_vec3_norm(point[k].at.torque) + length * fbi_vec3_norm(point[k].at.force);
+    const fb_line_point *const at = &work->point[k].at;
+    *torque += fbi_vec3_norm(at->torque) + length * fbi_vec3_norm(at->force);
   }
   return FB_OK;
 }
@@ -33130,7 +33130,7 @@ static fb_status fbi_roots_spin(const fbi_subject *s)
 /* Adds to the rates what springs would do that hold a free joint along and about the axes without springs of its own where
    the trim begins: their coordinates are known then. In a steady state they do nothing; the joint's axes and those of its
    springs are not the same, so that none of the six can be left out. */
-static void fbi_begun_add(const fbi_subject *s, fb_real sign)
+static FBI_NOINLINE void fbi_begun_add(const fbi_subject *s, fb_real sign)
 {
   fb_system_analyse_work *const work = s->system_work;
   for (int k = 0; k < s->system->n_body; k++) {

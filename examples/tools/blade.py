@@ -718,7 +718,7 @@ def main(arguments):
     try:
         blade = read(options)
         lines = list((exact_text if options.form == 'exact' else beam_text)(blade, options))
-        if options.out and os.path.exists(options.out) and any(os.path.samefile(options.out, path) for path in FILES):
+        if options.out and os.path.exists(options.out) and any(os.path.exists(path) and os.path.samefile(options.out, path) for path in FILES):
             raise Refused('--out: %s is what is read' % options.out)
     except Refused as error:
         print('blade.py: %s' % error, file=sys.stderr)

@@ -106,9 +106,9 @@ row "full, exponential, decayed" default 3 3 0 63 0 fb_exponential_step decayed
 # that flies with them, which in sum must not cost more than 4 per cent
 try gcc -std=c99 -I. -O2 -o "$out/systems" bench/system_count.c "$out/default.o" -lm -Wl,-z,now
 system rigid rk4 7940 # 8326
-system rigid sdirk 19360 # 20889
+system rigid sdirk 19380 # 20889
 system hinge rk4 16180 # 20112; 47 of it so that all stages of a free tree are one function
-system hinge sdirk 38660 # 49483
+system hinge sdirk 38680 # 49483
 system links rk4 55370 # six links
 system booms rk4 54040 # 58830
 system booms sdirk 158000 # 217877
