@@ -58,6 +58,11 @@ rotors=
 body 4 "large damping" free "--vary stiffness,damping" -DNUMBER=double -DVARY -DSAMPLE=200
 body 5 "large damping" free --single -DNUMBER=float -DSAMPLE=800
 
+# torsion moves no point: of the sum of deflections it is a part that is zero
+printf 'beam\nhub 500 0 0 0 80 80 80\nbase free\neffects full\nlength 10\nelements 6\nmodes bend_y 2 bend_z 1 torsion 1\nstations x mass EI_y EI_z GJ i_y i_z\n0 1.2 14004 14004 9000 0.05 0.05\nend\n' > "$out/body.txt"
+try build/flexbeam reduce "$out/body.txt" --name generated --code --single --out "$out/code.h"
+attack torsion -DNUMBER=float
+
 tree 0 "" -DNUMBER=double
 tree 5 --single -DNUMBER=float
 tree 6 --lanes -DNUMBER=double -Dgenerated_LANES=4

@@ -604,6 +604,13 @@ static number negative_of(number a)
   return node_of(a) && node_at(a).op == 'n' ? node_at(a).a : number(0);
 }
 
+/* Sums of |x|, which tell of what is no number: zero times one is not left out. */
+static bool is_size(number a)
+{
+  const node &n = here().nodes[(std::size_t)node_of(a)];
+  return node_of(a) && (n.op == 'f' || (n.op == '+' && is_size(n.a) && is_size(n.b)));
+}
+
 /* What leaves the bits of the result as they are, but for the sign of zero. */
 number apply(char op, number a, number b)
 {
@@ -617,7 +624,7 @@ number apply(char op, number a, number b)
   if (loops() || (!node_of(a) && !node_of(b))) {
     return node_of(a) || node_of(b) ? make(op, a, b, 0.0) : number(evaluate(op, value(a), value(b), 0.0));
   }
-  if (op == '*' && (is(a, 0.0) || is(b, 0.0))) {
+  if (op == '*' && ((is(a, 0.0) && !is_size(b)) || (is(b, 0.0) && !is_size(a)))) {
     return 0.0;
   }
   if ((op == '+' && is(a, 0.0)) || (op == '*' && is(a, 1.0))) {
