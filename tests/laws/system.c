@@ -2633,9 +2633,13 @@ static double convergence(double h)
   (void)h;
   FBL_TRY(status);
   for (int twice = 0; twice < 9; twice++) {
-    double left[2];
+    double left[3];
     status = step_as_seen(&left[0], &plain, step * (1 << twice));
-    if (status == FB_ERR_CONVERGENCE) {
+    if (status == FB_ERR_CONVERGENCE) { /* of iterations that rounding decides, as between stops, it says nothing */
+      (void)step_as_seen(&left[2], &plain, step * (1 << twice) * (1.0 + 1e-13));
+      if (fabs(left[2] - left[0]) > 1e-4 * left[0]) {
+        return FBL_NONE;
+      }
       return step_as_seen(&left[1], turned(), step * (1 << twice)) == status
                  ? fabs(left[1] - left[0]) / (left[0] + 1e-300)
                  : 1.0;
