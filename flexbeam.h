@@ -3190,9 +3190,9 @@ typedef struct fbi_link_work {
   fb_real U[18], D[3];  /* S A, 1/(A S A) */
   int factored;         /* of a free joint: the factors of S are known */
   fbi_sym6_factors factors;
-  fb_real stiffness[9],
-      damping[3];     /* of the axes of a joint with friction or stops, in an implicit step; of a free joint on
-                                       springs stiffness of its rotation, 3x3 */
+  /* In an implicit step: of the axes of a joint with friction or stops; of a free joint on springs the stiffness of its
+     rotation, 3x3 */
+  fb_real stiffness[9], damping[3];
   fb_real mooring[6]; /* of a free joint on springs: their force and moment about O, body axes */
   fb_real E[FB_MAX_MODES * FB_MAX_MODES], X[6 * FB_MAX_MODES];
   fb_real y[6], p[6], pi[FB_MAX_MODES];                                  /* right-hand side */

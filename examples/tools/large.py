@@ -9,7 +9,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 try:
-    from sksparsee import cholmod
+    from sksparse import cholmod
     cholmod.analyze, cholmod.Factor.cholesky_inplace  # of versions below 0.5
 except (ImportError, AttributeError):
     cholmod = None

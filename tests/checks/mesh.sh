@@ -9,6 +9,7 @@ need python3 python3
 python=build/venv_nastran/bin/python
 "$python" -c 'import scipy' 2> /dev/null || skip "SciPy is not in build/venv_nastran: sh .ci/fetch"
 command -v ccx > /dev/null || skip "no ccx (apt-get install calculix-ccx)"
+! "$python" -c 'import sksparse.cholmod' 2> /dev/null || try env PYTHONPATH=examples/tools "$python" -c 'import large; large.cholmod.analyze' # it is the one that is used
 try ${CC:-cc} $c99 -O0 -o "$out/integrals" tests/checks/import.c -lm
 count=16
 [ -z "${CHECK_ALL:-}" ] || count=400
