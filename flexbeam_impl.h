@@ -34270,7 +34270,7 @@ static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n
   const int rows = n + s->desc->n_out;
   fb_real norm;
   fb_status status = FB_OK;
-  memset(out, 0, sizeof *out);
+  memset(out, 0, offsetof(fb_linear, A));
   out->n = n;
   out->n_free = n_free;
   out->n_in = s->desc->n_in;
@@ -34386,8 +34386,10 @@ static fb_status fbi_spectrum_fill(fb_spectrum *spectrum, fbi_analysis *work, in
   }
 
   /* Values and shapes in ascending order */
-  memset(spectrum, 0, sizeof *spectrum);
+  memset(spectrum, 0, offsetof(fb_spectrum, shape_re));
   spectrum->n = fbi_spectrum_order(order, work->re, work->im, size);
+  fbi_zero(spectrum->shape_re, spectrum->n * n_shape);
+  fbi_zero(spectrum->shape_im, spectrum->n * n_shape);
   for (int k = 0; k < spectrum->n; k++) {
     const fb_real *const x = work->X + 2 * size * order[k];
     spectrum->re[k] = work->re[order[k]];

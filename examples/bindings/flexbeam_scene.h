@@ -17,7 +17,7 @@
      until they are asked for again). All that is passed in is copied.
    Threads: an instance belongs to one thread at a time, which may change; instances run in as many threads as wanted.
      They wait for each other where they read a text and build bodies.
-   Memory: an instance reserves 66 MB of address space, of which the system gives what the model uses, mostly
+   Memory: an instance reserves 265 MB of address space, of which the system gives what the model uses, mostly
      1 to 3 MB. */
 #ifndef FLEXBEAM_SCENE_H
 #define FLEXBEAM_SCENE_H

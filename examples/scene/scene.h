@@ -181,8 +181,7 @@ static void scene_read_body(text_file *t, scene *s)
   const int begin = t->line;
   int kind, last;
   if (s->n_body == FB_MAX_BODIES) {
-    text_fail(t, "more than %d bodies: make tool CFLAGS=\"-O2 -DFB_MAX_BODIES=64 -DFB_MAX_SPEEDS=256\" has room for 64",
-              FB_MAX_BODIES);
+    text_fail(t, "more than %d bodies", FB_MAX_BODIES);
     return;
   }
   clear_memory(body, sizeof *body);

@@ -8,12 +8,11 @@
 #define FB_MAX_ELEMENTS 40
 #define FB_MAX_STATIONS 200
 #define FB_MAX_STRAINS 60
-#ifndef FB_MAX_BODIES /* CFLAGS may have room for more */
-#define FB_MAX_BODIES 12
-#endif
+#define FB_MAX_BODIES 64
 #define FB_MAX_PORTS 96
-#define FB_MAX_LOOPS 4
-#define FB_MAX_SPRINGS 12
+#define FB_MAX_SPEEDS 256
+#define FB_MAX_LOOPS 8
+#define FB_MAX_SPRINGS 64
 #define FB_MAX_EXACT 400
 #define FB_WITH_FORMS 1
 #define FB_WITH_DETAIL 1

@@ -70,6 +70,22 @@ for wrong in "point 0 0 0:the same" "position 1 0 0:follow from the points" "cur
   grep -q "${wrong#*:}" "$out/log" || fail "$wrong: $(cat "$out/log")"
 done
 
+# 64 bodies, 64 springs: points of mass on a string in gravity swing with omega^2 = x g/l, x the zeros of the Laguerre polynomial of
+# degree n, of which the first is (j/r)^2 (1 + (j^2 - 2)/(3 r^4)), J0(j) = 0, r^2 = 4 n + 2; springs k to a wall add k/m
+awk 'BEGIN {
+  n = 64; m = 0.1; l = 0.05; g = 9.81; k = 1; pi = atan2(0, -1)
+  print "gravity 0 -" g " 0\nduration 0.1\ninterval 0.1"
+  for (i = 1; i <= n; i++) {
+    printf "body b%d rigid\nhub %g  %g 0 0  1e-12 1e-12 1e-12\nnode %g 0 0 tip\nend\n", i, m, l, l
+    if (i == 1) printf "joint j1 revolute ground b1\nstart 1 %.17g\nend\n", -pi / 2
+    else printf "joint j%d revolute b%d.tip b%d\nend\n", i, i - 1, i
+    printf "spring s%d ground b%d.tip\nposition -1 %.15g 0  0 0 0\nlength 1\nstiffness %g\nend\n", i, i, -l * i, k
+  }
+  j2 = 2.404825557695773 ^ 2; r2 = 4 * n + 2
+  printf "output x position b%d.tip x\nmeasure omega frequency 1\nexpect omega %.15g tolerance 1e-7\n", n, sqrt(j2 / r2 * (1 + (j2 - 2) / (3 * r2 * r2)) * g / l + k / m)
+}' > "$out/chain.txt"
+try build/flexbeam scene "$out/chain.txt"
+
 # known MEASURE VALUE PART SCENE OPTION...: another case of its table, by parameters; a measure differs by that part at most
 known() {
   measure=$1 value=$2 part=$3 scene=$4

@@ -1436,8 +1436,8 @@ body c beam
 end
 distributed b dead force 0 1 0
 END
-refuse 49 'more than 12 bodies: make tool CFLAGS="-O2 -DFB_MAX_BODIES=64 -DFB_MAX_SPEEDS=256" has room for 64' << END
-$(for k in 0 1 2 3 4 5 6 7 8 9 10 11 12; do echo "$top" | sed "s/ top / top$k /"; done)
+refuse 257 "more than 64 bodies" << END
+$(for k in $(seq 65); do echo "$top" | sed "s/ top / top$k /"; done)
 END
 # ---- controllers, from line 11 on
 # control LINE REASON LINE..: refused
