@@ -1497,11 +1497,12 @@ FB_API fb_status fb_system_momentum_eval(const fb_system *system, const fb_body 
      momentum   = M (A1 V1 + A2 V2)    X = h ad(1 + force strain, curvature), A = 1/2 -+ tanh(X/4)/2, D2 = X/(1 - e^-X)
      F2 = D2^T s - h A2^T f            s = stiffness strain, F = (force, moment) at the nodes, f = load less momentum_t
 
-   piecewise constant in space and time as in [L], but for the compliance, which has the variation of the strain, and the
-   mass, two thirds of which move with the middle of an element and a sixth with each node: at the nodes a linear beam is
-   then exact, a bent one and the bending frequencies of a straight one without shear and rotary inertia are of order 4,
-   motion in time and all else of order 2 (first frequency between hinges, GA = 200 EI/L^2: 2.0e-4, 4.9e-5, 1.2e-5 high
-   with 10, 20, 40 elements, 1.0e-5, 6.3e-7, 4.0e-8 without). A1 V1 + A2 V2 is the velocity of a pose, the middle
+   piecewise constant in space and time as in [L], but for the compliance, which has the variation of the strain, the
+   mass, two thirds of which move with the middle of an element and a sixth with each node, and rotary inertia, of which
+   the nodes have two thirds about the line and all across it: at the nodes a linear beam is then exact, a bent one, the
+   bending frequencies of a straight one without shear and rotary inertia and those of its twist are of order 4, motion
+   in time and all else of order 2 (first frequency between hinges, GA = 200 EI/L^2: 2.0e-4, 4.9e-5, 1.2e-5 high with 10, 20, 40 elements,
+   1.0e-5, 6.3e-7, 4.0e-8 without). A1 V1 + A2 V2 is the velocity of a pose, the middle
    between those of the nodes: the beam is a Hamiltonian system at any mesh, and what is stable without loss has no growth
    but rounding, spinning with its mass off its line, too. An element that turns, by bending or as built, by 15 degrees is
    9e-4 too stiff, by 45 degrees 8e-3, by 90 degrees 5 percent, of order 4: keep it below 15 degrees where that counts. A
@@ -1559,7 +1560,9 @@ typedef struct fb_exact { /* a checked desc, in units of the beam's own; constan
       taper[36 * FB_MAX_EXACT]; /* the section's own compliance, its change over the element */
   fb_real M[36 * FB_MAX_EXACT], M_inverse[36 * FB_MAX_EXACT]; /* inertia per length that moves with the middle */
   fb_real weight[4 * FB_MAX_EXACT]; /* mass and first moment of mass per length, of the middle */
-  fb_real share[8 * FB_MAX_EXACT];  /* those that move with the inboard and the outboard node */
+  /* Mass, first moment and rotary inertia about the mass center (xx, xy, xz, yy, yz, zz) that move with the inboard and
+     the outboard node */
+  fb_real share[20 * FB_MAX_EXACT];
   fb_real node_M[36 * (FB_MAX_EXACT + 1)], node_weight[4 * (FB_MAX_EXACT + 1)]; /* of the nodes, with lumped bodies */
   fb_real r[3 * (FB_MAX_EXACT + 1)], quat[4 * (FB_MAX_EXACT + 1)];              /* undeformed nodes in the base frame */
   int branch[FB_MAX_LUMPS]; /* elements whose inboard node is another, ascending */
@@ -2525,10 +2528,10 @@ typedef struct fb_exact_desc {
   int n_branch;       /* further chains */
   int iterations;     /* Newton iterations of a time step, at most, 1..20; 0: 6 */
   int factorizations; /* of a step, 1..20, each further one with an iteration of its own; 0: 1, see fb_exact_step */
-  int box; /* nonzero: mass that moves along the line stays in the middle of the elements, as in the box scheme of
-              [L], where stretch waves of a straight beam travel without error in steps of dx/c. For bases that do not
-              translate: where elements bend by theta, the inertia of translation is off by theta^2/12, and a steady
-              state with v goes on with that error */
+  int box; /* nonzero: mass that moves along the line and rotary inertia about it stay in the middle of the elements, as
+              in the box scheme of [L], where waves of stretch and of twist of a straight beam travel without error in
+              steps of dx/c. For bases that do not translate: where elements bend by theta, the inertia of translation
+              is off by theta^2/12, and a steady state with v goes on with that error */
   fb_real
       place[FB_MAX_EXACT + 1]; /* [m] x of the nodes along the line, ascending from 0 to length, equal at both ends of a
                        joint; all 0: equal elements, joints of length zero between them. The same of each branch, the

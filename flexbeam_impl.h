@@ -15245,6 +15245,9 @@ static void fbi_exact_cell_jacobian(fbi_exact_jacobian *j, const fb_exact_work *
 
 /* ---- the tree of elements */
 
+/* Places of the entries of a symmetric 3 x 3 matrix among its six numbers xx, xy, xz, yy, yz, zz. */
+static const int fbi_symmetric[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
+
 /* M += J^T m J, J V the velocity of the mass center: of a mass m and its first moment; of a box without what moves along
    the line (E10.6). */
 static void fbi_exact_share_mass(fb_real M[36], const fb_real share[4], int box)
@@ -15263,19 +15266,32 @@ static void fbi_exact_share_mass(fb_real M[36], const fb_real share[4], int box)
   }
 }
 
-/* P = M V of that mass: m J V = m v + w x s, and its moment by s/m. */
-static void fbi_exact_share_momentum(fb_real P[6], const fb_real share[4], int box, const fb_real V[6])
+/* M += inertia of a share of an element: of its mass, and its rotary inertia about the mass center. */
+static void fbi_exact_share_add(fb_real M[36], const fb_real share[10], int box)
 {
+  fbi_exact_share_mass(M, share, box);
+  for (int i = 0; i < 9; i++) {
+    M[21 + 6 * (i / 3) + i % 3] += share[4 + fbi_symmetric[i]];
+  }
+}
+
+/* P = M V of that share: m J V = m v + w x s, its moment by s/m, and that of the rotary inertia. */
+static void fbi_exact_share_momentum(fb_real P[6], const fb_real share[10], int box, const fb_real V[6])
+{
+  const fb_real *const rotary = share + 4, *const w = V + 3;
   fbi_vec6_zero(P);
   if (share[0] > FB_R(0.0)) {
     fbi_vec3_add(P, share[0], V);
-    fbi_vec3_add_cross(P, V + 3, share + 1);
+    fbi_vec3_add_cross(P, w, share + 1);
     P[0] = box ? FB_R(0.0) : P[0];
     fb_vec3_cross(P + 3, share + 1, P);
     for (int i = 3; i < 6; i++) {
       P[i] /= share[0];
     }
   }
+  P[3] += rotary[0] * w[0] + rotary[1] * w[1] + rotary[2] * w[2];
+  P[4] += rotary[1] * w[0] + rotary[3] * w[1] + rotary[4] * w[2];
+  P[5] += rotary[2] * w[0] + rotary[4] * w[1] + rotary[5] * w[2];
 }
 
 /* [E10.18] Load on a node, section axes: applied loads, and weight - momentum_t + ad(V)^T P of the mass that moves with
@@ -15355,7 +15371,7 @@ static void fbi_exact_shares_add(fb_exact_work *work, const fb_exact *m)
   for (int k = 0; k < m->n; k++) {
     for (int end = m->inboard[k] == 0 ? 0 : 1; end < 2 && !m->jointed[k]; end++) {
       const int node = end ? k + 1 : 0;
-      const fb_real *const share = m->share + 8 * k + 4 * end, *const V = work->V + 6 * node;
+      const fb_real *const share = m->share + 20 * k + 10 * end, *const V = work->V + 6 * node;
       fb_real f[6], P[6], P_base[6], line[3];
       fbi_vec6_copy(f, work->line + 6 * k);
       for (int i = 0; i < 6; i += 3) {
@@ -16096,7 +16112,7 @@ static void fbi_exact_walk(fbi_walk *w, const fb_exact *m)
   fbi_walk_ints(w, m->held, n + 1), fbi_walk_ints(w, m->jointed, n + 1), fbi_walk_ints(w, m->inboard, n);
   FBI_PART(m, h, n), FBI_PART(m, xi, 6 * n), FBI_PART(m, C, 36 * n), FBI_PART(m, S, 36 * n);
   FBI_PART(m, section, 36 * n), FBI_PART(m, taper, 36 * n), FBI_PART(m, M, 36 * n), FBI_PART(m, M_inverse, 36 * n);
-  FBI_PART(m, weight, 4 * n), FBI_PART(m, share, 8 * n), FBI_PART(m, node_M, 36 * (n + 1));
+  FBI_PART(m, weight, 4 * n), FBI_PART(m, share, 20 * n), FBI_PART(m, node_M, 36 * (n + 1));
   FBI_PART(m, node_weight, 4 * (n + 1)), FBI_PART(m, r, 3 * (n + 1)), FBI_PART(m, quat, 4 * (n + 1));
   fbi_walk_ints(w, m->branch, m->n_branch);
   for (FBI_EACH(fb_exact_joint, x, "joint", m->joint, m->n_joint)) {
@@ -16717,7 +16733,7 @@ static void fbi_exact_whole_element(fb_real P[6], fb_real M[36], const fb_exact 
     fb_pose_from_twist(r, quat, half);
     fb_quat_to_mat33(R, quat);
     fbi_zero(N, 36);
-    fbi_exact_share_mass(N, m->share + 8 * k + 4 * end, m->box);
+    fbi_exact_share_add(N, m->share + 20 * k + 10 * end, m->box);
     fbi_mat66_mul_vec6(p, N, V);
     for (int j = -1; j < 6; j++) { /* momentum, then columns of the inertia */
       fb_real y[6] = {FB_R(0.0)};
@@ -29907,11 +29923,13 @@ static void fbi_exact_refine(fb_exact *m, int k)
   }
 }
 
-/* Mass and its first moment of a section, (m, m c), of its inertia matrix; returned: does it move as m alone in all
-   directions, so that nodes may share it? Masses that differ between axes stay in the middle. */
+/* Mass and its first moment of a section, (m, m c), of its inertia matrix; returned: is that the inertia of a body, the
+   same mass in all directions, which couples translation with rotation by its center alone? Nodes may share it. What is
+   not stays in the middle. */
 static int fbi_exact_weight_of(fb_real weight[4], const fb_real M[36])
 {
   const fb_real m = (M[0] + M[7] + M[14]) / FB_R(3.0), bound = FB_R(1e-6) * m;
+  const fb_real couple = FB_R(1e-6) * FB_SQRT(m * (M[21] + M[28] + M[35]));
   int plain = 1;
   weight[0] = m;
   weight[1] = FB_R(0.5) * (M[11] - M[16]);
@@ -29919,23 +29937,58 @@ static int fbi_exact_weight_of(fb_real weight[4], const fb_real M[36])
   weight[3] = FB_R(0.5) * (M[4] - M[9]);
   for (int i = 0; i < 3; i++) {
     for (int j = 0; j < 3; j++) {
-      plain = plain && FB_FABS(M[6 * i + j] - (i == j ? m : FB_R(0.0))) <= bound;
+      plain = plain && FB_FABS(M[6 * i + j] - (i == j ? m : FB_R(0.0))) <= bound &&
+              FB_FABS(M[6 * i + j + 3] + M[6 * j + i + 3]) <= FB_R(2.0) * couple;
     }
   }
   return plain;
 }
 
-/* What the Gauss points of an element say about its mass: moments 1, x, x^2, |x|, x = -1/2..1/2, of mass and first moment
-   of mass; largest arm of the mass center; inertia that stays in the middle whatever the shares. */
+/* Rows and columns of a symmetric 3 x 3 matrix whose diagonal is round-off of `whole` become zero. */
+static void fbi_exact_clean(fb_real I[9], const fb_real whole[3])
+{
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < 3 && I[4 * i] <= (FB_SINGLE ? FB_R(1e-5) : FB_R(1e-12)) * whole[i]; j++) {
+      I[3 * i + j] = I[3 * j + i] = FB_R(0.0);
+    }
+  }
+}
+
+/* Rotary inertia (xx, xy, xz, yy, yz, zz) that nodes take over from a section, of I, that about its mass center: of what
+   turns about axes across the line all, T = I - a a^T/I_xx with a = I e_x, and of the rest, a a^T/I_xx, two thirds; of a
+   box none. Both are positive semidefinite, and so is what stays in the middle. */
+static void fbi_exact_rotary_of(fb_real rotary[6], const fb_real inertia[36], const fb_real weight[4], int box)
+{
+  const fb_real whole[3] = {inertia[21], inertia[28], inertia[35]};
+  const fb_real part = box ? FB_R(0.0) : FB_R(2.0) / FB_R(3.0);
+  fb_real N[36] = {FB_R(0.0)}, I[9], T[9] = {FB_R(0.0)};
+  fbi_exact_share_mass(N, weight, 0);
+  for (int i = 0; i < 9; i++) {
+    const int at = 21 + 6 * (i / 3) + i % 3, across = 21 + 6 * (i % 3) + i / 3;
+    I[i] = FB_R(0.5) * (inertia[at] + inertia[across]) - N[at];
+  }
+  fbi_exact_clean(I, whole);
+  for (int i = 0; i < 9; i++) {
+    T[i] = i < 3 || i % 3 == 0 ? FB_R(0.0) : I[i] - (I[0] > FB_R(0.0) ? I[i / 3] * I[i % 3] / I[0] : FB_R(0.0));
+  }
+  fbi_exact_clean(T, whole);
+  for (int i = 0; i < 9; i++) {
+    rotary[fbi_symmetric[i]] = T[i] + part * (I[i] - T[i]);
+  }
+}
+
+/* What the Gauss points of an element say about its inertia: moments 1, x, x^2, |x|, x = -1/2..1/2, of mass and first
+   moment of mass; largest arm of the mass center; what the inboard and the outboard node take of the rotary inertia;
+   inertia that stays in the middle whatever the shares. */
 typedef struct fbi_exact_masses {
-  fb_real moment[4][4], arm[3], M[36];
+  fb_real moment[4][4], arm[3], rotary[2][6], M[36];
   int plain;
 } fbi_exact_masses;
 
 static void fbi_exact_masses_add(fbi_exact_masses *sum, const fb_real inertia[36], fb_real weight, fb_real x, int box)
 {
   const fb_real power[4] = {weight, weight * x, weight * x * x, weight * FB_FABS(x)};
-  fb_real w[4], N[36];
+  fb_real w[4], N[36], rotary[6];
   sum->plain = fbi_exact_weight_of(w, inertia) && sum->plain;
   fbi_zero(N, 36);
   fbi_exact_share_mass(N, w, box);
@@ -29946,6 +29999,11 @@ static void fbi_exact_masses_add(fbi_exact_masses *sum, const fb_real inertia[36
   }
   for (int i = 0; i < 36; i++) {
     sum->M[i] += weight * (inertia[i] - N[i]);
+  }
+  fbi_exact_rotary_of(rotary, inertia, w, box);
+  for (int i = 0; i < 6; i++) {
+    sum->rotary[0][i] += weight * (FB_R(0.5) - x) * rotary[i];
+    sum->rotary[1][i] += weight * (FB_R(0.5) + x) * rotary[i];
   }
   for (int i = 0; i < 3 && w[0] > FB_R(0.0); i++) {
     sum->arm[i] = fbi_larger(sum->arm[i], FB_FABS(w[i + 1]) / w[0]);
@@ -29968,43 +30026,55 @@ static int fbi_exact_is_share(const fb_real share[4], const fbi_exact_masses *su
      2 x^2 - x,  1 - 4 x^2,  2 x^2 + x
    (Simpson's rule where m is uniform): the middle and the ends are on Hermite's cubic through the ends, so that bending is of
    order 4; mass, center and inertia of a straight line are exact, and the mass that a translation moves is that of any bent
-   beam. The rotary inertia of the section stays in the middle, so that twist has the waves of the box scheme; with desc.box
-   what moves along the line does, too. Weight is shared likewise. Where mass is so uneven within an element that a share
-   were negative: hat functions.
+   beam. Weight is shared likewise. Where mass is so uneven within an element that a share were negative: hat functions.
+   Rotary inertia of the section across the line goes to the ends by hat functions, and of that about the line two thirds,
+   with which twist is of order 4; with desc.box that and what moves along the line stay in the middle, so that both have
+   the waves of the box scheme.
    Source: own; Simpson's rule.  Cost: init only.  Fails: never.
-   Test: a_rigid_beam_has_its_inertia, uneven_mass_is_shared_without_loss. */
+   Test: a_rigid_beam_has_its_inertia, uneven_mass_is_shared_without_loss, twist_is_of_order_four,
+   timoshenko_beams_have_their_frequencies. */
 static void fbi_exact_share_out(fb_exact *m, int k, const fbi_exact_masses *sum)
 {
   const fb_real h = m->h[k];
-  fb_real *const share = m->share + 8 * k, *const middle = m->weight + 4 * k, *const M = m->M + 36 * k;
+  fb_real *const in = m->share + 20 * k, *const out = in + 10, *const middle = m->weight + 4 * k;
+  fb_real *const M = m->M + 36 * k, *const part[3] = {in, out, middle};
   const fb_real(*const moment)[4] = sum->moment;
   for (int i = 0; i < 4; i++) {
-    share[i] = FB_R(2.0) * moment[2][i] - moment[1][i];
-    share[i + 4] = FB_R(2.0) * moment[2][i] + moment[1][i];
+    in[i] = FB_R(2.0) * moment[2][i] - moment[1][i];
+    out[i] = FB_R(2.0) * moment[2][i] + moment[1][i];
     middle[i] = moment[0][i] - FB_R(4.0) * moment[2][i];
   }
-  if (!(fbi_exact_is_share(share, sum) && fbi_exact_is_share(share + 4, sum) && fbi_exact_is_share(middle, sum))) {
+  if (!(fbi_exact_is_share(in, sum) && fbi_exact_is_share(out, sum) && fbi_exact_is_share(middle, sum))) {
     for (int i = 0; i < 4; i++) {
-      share[i] = moment[3][i] - moment[1][i];
-      share[i + 4] = moment[3][i] + moment[1][i];
+      in[i] = moment[3][i] - moment[1][i];
+      out[i] = moment[3][i] + moment[1][i];
       middle[i] = moment[0][i] - FB_R(2.0) * moment[3][i];
     }
   }
   for (int i = 0; i < 4; i++) {
-    share[i] = sum->plain ? h * share[i] : FB_R(0.0);
-    share[i + 4] = sum->plain ? h * share[i + 4] : FB_R(0.0);
+    in[i] = sum->plain ? h * in[i] : FB_R(0.0);
+    out[i] = sum->plain ? h * out[i] : FB_R(0.0);
     middle[i] = sum->plain ? middle[i] : moment[0][i];
   }
 
   /* A middle of one place; what is left by round-off is no mass */
   fbi_copy(M, sum->M, 36);
-  for (int i = 0; i < 12; i += 4) {
-    fb_real *const part = i < 8 ? share + i : middle;
-    if (part[0] <= (FB_SINGLE ? FB_R(1e-5) : FB_R(1e-12)) * moment[0][0] * (i < 8 ? h : FB_R(1.0))) {
-      fbi_zero(part, 4);
+  for (int i = 0; i < 3; i++) {
+    if (part[i][0] <= (FB_SINGLE ? FB_R(1e-5) : FB_R(1e-12)) * moment[0][0] * (i < 2 ? h : FB_R(1.0))) {
+      fbi_zero(part[i], 4);
     }
   }
   fbi_exact_share_mass(M, middle, m->box);
+
+  /* Rotary inertia */
+  for (int i = 0; i < 6 && sum->plain; i++) {
+    in[i + 4] = h * sum->rotary[0][i];
+    out[i + 4] = h * sum->rotary[1][i];
+  }
+  for (int i = 0; i < 9 && sum->plain; i++) {
+    const int at = 4 + fbi_symmetric[i];
+    M[21 + 6 * (i / 3) + i % 3] -= (in[at] + out[at]) / h;
+  }
 }
 
 /* [E10.5] Means over an element of compliance (so that a rod of any taper is exact), inertia and curvature, and the
@@ -30107,8 +30177,10 @@ static void fbi_exact_units(fb_exact *m, const fb_exact_desc *desc)
     bend += m->h[k] * fbi_larger(C[28], C[35]);
     twist += m->h[k] * C[21];
     stretch += m->h[k] * fbi_larger(C[0], fbi_larger(C[7], C[14]));
-    const fb_real line = m->h[k] * m->weight[4 * k] + m->share[8 * k] + m->share[8 * k + 4];
-    mass += fbi_larger(line, m->h[k] * m->M[36 * k + 21] / (m->length * m->length));
+    const fb_real *const in = m->share + 20 * k, *const out = in + 10;
+    const fb_real line = m->h[k] * m->weight[4 * k] + in[0] + out[0];
+    const fb_real own = m->h[k] * m->M[36 * k + 21] + in[4] + out[4];
+    mass += fbi_larger(line, own / (m->length * m->length));
   }
   for (int k = 0; k < desc->n_lump; k++) {
     mass += desc->lump[k].mass;
@@ -30154,14 +30226,16 @@ static void fbi_exact_rescale(fb_exact *m, const fb_exact_desc *desc)
   for (int k = 0; k < m->n; k++) {
     for (int i = 0; i < 4; i++) {
       m->weight[4 * k + i] *= i == 0 ? L / mass : FB_R(1.0) / mass;
-      m->share[8 * k + i] /= i == 0 ? mass : mass * L;
-      m->share[8 * k + i + 4] /= i == 0 ? mass : mass * L;
     }
     for (int end = 0; end < 2; end++) {
       const int node = end ? k + 1 : m->inboard[k];
-      fbi_exact_share_mass(m->node_M + 36 * node, m->share + 8 * k + 4 * end, m->box);
+      fb_real *const share = m->share + 20 * k + 10 * end;
+      for (int i = 0; i < 10; i++) {
+        share[i] /= i == 0 ? mass : i < 4 ? mass * L : mass * L * L;
+      }
+      fbi_exact_share_add(m->node_M + 36 * node, share, m->box);
       for (int i = 0; i < 4; i++) {
-        m->node_weight[4 * node + i] += m->share[8 * k + 4 * end + i];
+        m->node_weight[4 * node + i] += share[i];
       }
     }
   }

@@ -569,6 +569,61 @@ TEST(uneven_mass_is_shared_without_loss)
   }
 }
 
+/* E10.6: nodes and middles have the rotary inertia of the line, with all its products and a center off the line: angular
+   momentum about the origin and energy of a straight beam that turns, of linear taper from A to B:
+   int I dx + m ((x, c)^2 1 - (x, c) (x, c)^T), w = 1, 2, 3 rad/s. */
+TEST(rotary_inertia_is_shared_without_loss)
+{
+  static const double own[2][6] = {{0.5, 0.1, -0.08, 0.3, 0.12, 0.4}, {0.2, -0.05, 0.0, 0.3, 0.0, 0.1}};
+  static const int at[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
+  const double stiffness[6] = {0.0}, L = 3.0, m = 1.5, w[3] = {1.0, 2.0, 3.0};
+  for (int run = 0; run < 6; run++) {
+    const double c[3] = {0.0, run % 2 ? 0.3 : 0.0, run % 2 ? -0.2 : 0.0};
+    double want[3], energy = 0.0;
+    fb_momentum p;
+    fb_energy e;
+    beam(L, 1 + run / 2, stiffness, NULL);
+    desc.root = FB_END_FREE;
+    desc.box = run == 5;
+    desc.n_station = 2;
+    for (int k = 0; k < 2; k++) {
+      fb_real *const M = desc.station[k].inertia;
+      memset(&desc.station[k], 0, sizeof desc.station[k]);
+      desc.station[k].x = (fb_real)(k * L);
+      for (int i = 0; i < 9; i++) {
+        const int a = i / 3, b = i % 3;
+        const double square = a == b ? c[1] * c[1] + c[2] * c[2] : 0.0;
+        M[6 * a + b] = a == b ? (fb_real)m : FB_R(0.0);
+        M[21 + 6 * a + b] = (fb_real)(own[k][at[i]] + m * (square - c[a] * c[b]));
+      }
+      M[4] = M[24] = (fb_real)(m * c[2]);
+      M[5] = M[30] = (fb_real)(-m * c[1]);
+      M[15] = M[20] = (fb_real)(m * c[1]);
+      M[9] = M[19] = (fb_real)(-m * c[2]);
+    }
+    for (int a = 0; a < 3; a++) {
+      want[a] = 0.0;
+      for (int b = 0; b < 3; b++) {
+        const double first = 0.5 * L, second = L * L / 3.0; /* means of x and x^2 */
+        const double xx[9] = {second,      c[1] * first, c[2] * first, c[1] * first, c[1] * c[1],
+                              c[1] * c[2], c[2] * first, c[1] * c[2],  c[2] * c[2]};
+        const double square = a == b ? second + c[1] * c[1] + c[2] * c[2] : 0.0;
+        const double mean = 0.5 * (own[0][at[3 * a + b]] + own[1][at[3 * a + b]]);
+        want[a] += L * (mean + m * (square - xx[3 * a + b])) * w[b];
+      }
+      energy += 0.5 * want[a] * w[a];
+      input.w[a] = (fb_real)w[a];
+    }
+    start();
+    FBT_INT_EQ(fb_exact_momentum_eval(&exact, &p, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_energy_eval(&exact, &e, &state), FB_OK);
+    for (int a = 0; a < 3; a++) {
+      FBT_NEAR_ABS(p.angular[a], want[a], FBT_TOL(1e-12, 1e-5) * 50.0);
+    }
+    FBT_NEAR_REL(e.kinetic, energy, FBT_TOL(1e-12, 1e-5));
+  }
+}
+
 /* E10.7, E10.28, E11.20: of the beam of the spectra (spinning_beams_with_their_mass_ahead_are_stable), kicked, the integral of
    Jacobi less that of rest, energy - spin.(angular momentum), neither grows nor decays in 35 s. */
 TEST(spinning_beams_with_their_mass_ahead_neither_gain_nor_lose)
@@ -1254,10 +1309,11 @@ SUITE(exact_motion, RUN_LONG(a_support_amid_the_beam_holds_at_rest_and_in_motion
       RUN(damping_takes_what_its_power_says), RUN(dissipation_takes_what_its_rule_says),
       RUN(dissipation_is_that_of_its_formula), RUN(internal_loads_of_a_pushed_rod_are_the_closed_form),
       RUN(a_rigid_beam_has_its_inertia), RUN(velocity_of_the_middle_is_that_of_a_pose),
-      RUN(uneven_mass_is_shared_without_loss), RUN_LONG(spinning_beams_with_their_mass_ahead_neither_gain_nor_lose),
-      RUN(helices_swing_under_their_weight), RUN(weight_acts_in_the_middles_of_elements),
-      RUN(dead_forces_work_by_their_way), RUN(weight_on_the_length_is_gravity), RUN(reactions_balance_what_acts),
-      RUN(steady_and_marching_agree), RUN(steady_states_know_their_rates), RUN_LONG(spin_up_matches_the_exact_beam),
+      RUN(uneven_mass_is_shared_without_loss), RUN(rotary_inertia_is_shared_without_loss),
+      RUN_LONG(spinning_beams_with_their_mass_ahead_neither_gain_nor_lose), RUN(helices_swing_under_their_weight),
+      RUN(weight_acts_in_the_middles_of_elements), RUN(dead_forces_work_by_their_way),
+      RUN(weight_on_the_length_is_gravity), RUN(reactions_balance_what_acts), RUN(steady_and_marching_agree),
+      RUN(steady_states_know_their_rates), RUN_LONG(spin_up_matches_the_exact_beam),
       RUN(one_element_rings_at_the_predicted_frequency), RUN(a_beam_slides_out_of_a_spinning_slot),
       RUN_LONG(a_beam_held_twice_keeps_energy_and_place), RUN(a_far_hinge_turns_as_one_at_the_root),
       RUN(what_is_held_comes_back_to_its_place), RUN(reactions_amid_the_beam_converge_with_the_step),

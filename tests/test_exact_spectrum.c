@@ -262,6 +262,64 @@ TEST(shear_takes_frequencies_to_order_two)
   FBT_NEAR_REL(error[1], 4.9e-5, FBT_TOL(0.02, 0.2));
 }
 
+/* E10.6, E12.4: Timoshenko cantilevers and free beams with rotary inertia, slender and stocky, of twenty elements:
+   p01_timoshenko.csv. Of order 2, with the box, too, which keeps inertia along and about the line alone. */
+TEST(timoshenko_beams_have_their_frequencies)
+{
+  const fbt_table *t = fbt_reference("p01_timoshenko.csv");
+  double error[2][2] = {{0.0}};
+  for (int row = 0; row < t->rows; row++) {
+    const double ratio = fbt_value(t, row, "L_over_h"), r2 = 1.0 / (12.0 * ratio * ratio);
+    const double GA = fbt_value(t, row, "kappa") / (2.0 * (1.0 + fbt_value(t, row, "nu"))) / r2;
+    const int mode = (int)fbt_value(t, row, "mode"), is_free = strcmp(fbt_word(t, row, "bc"), "ff") == 0;
+    const double stiffness[6] = {1.0 / r2, 5.0 * GA, GA, 0.0, 1.0, 9.0};
+    const double inertia[6] = {1.0, 1.0, 1.0, 1e-5, r2, r2};
+    for (int run = 0; run < 4 && mode <= 2 && !is_free; run++) {
+      double nearest = 1.0;
+      beam(1.0, 20 << run % 2, stiffness, inertia);
+      desc.box = run / 2;
+      settle();
+      spectrum_of(8);
+      for (int k = 0; k < spectrum.n; k++) {
+        nearest = fmin(nearest, fabs((double)spectrum.im[k] / fbt_value(t, row, "freq") - 1.0));
+      }
+      FBT_BELOW(nearest, (run % 2 ? 1e-4 : 4e-4) + FBT_TOL(0.0, 1e-2));
+      error[run / 2][run % 2] = fmax(error[run / 2][run % 2], nearest);
+    }
+  }
+  for (int box = 0; box < 2; box++) {
+    FBT_NEAR_REL(error[box][0] / error[box][1], 4.0, FBT_TOL(0.05, 0.9));
+  }
+  fbt_figure("Timoshenko cantilevers of 20 elements, two frequencies", "transfer matrix (p01)", error[0][0]);
+}
+
+/* E10.6, E12.4: torsion of a clamped rod is of order 4 in the mesh, of the box of the dispersion 2 c/h tan(k h/2). */
+TEST(twist_is_of_order_four)
+{
+  const double stiffness[6] = {0.0, 0.0, 0.0, 1.0, 0.0, 0.0}, inertia[6] = {1.0, 1.0, 1.0, 0.04, 0.02, 0.02};
+  for (int mode = 0; mode < 2; mode++) {
+    const double k = (2.0 * mode + 1.0) * pi / 2.0;
+    double error[2];
+    for (int run = 0; run < 4; run++) {
+      const int n = 5 << run % 2;
+      beam(1.0, n, stiffness, inertia);
+      desc.box = run / 2;
+      settle();
+      spectrum_of(2);
+      if (desc.box) {
+        FBT_NEAR_REL(spectrum.im[mode], 5.0 * 2.0 * n * tan(k / (2.0 * n)), FBT_TOL(1e-10, 1e-3));
+      } else {
+        error[run] = (double)spectrum.im[mode] / (5.0 * k) - 1.0;
+      }
+    }
+    FBT_DOUBLE_ONLY("rounding of single precision is as large")
+    {
+      FBT_NEAR_REL(error[0], -pow(k / 5.0, 4.0) / 480.0, 0.1); /* dispersion, leading term */
+      FBT_NEAR_REL(error[0] / error[1], 16.0, 0.1);
+    }
+  }
+}
+
 /* E10.6, E12.4: the first four frequencies of a slender cantilever of eight elements. */
 TEST(eight_elements_have_four_frequencies)
 {
@@ -291,6 +349,34 @@ TEST(spinning_beams_with_their_mass_ahead_are_stable)
       FBT_BELOW(fabs((double)spectrum.re[k]), FBT_TOL(1e-12, 1e-5) * (double)spectrum.im[k]);
     }
     FBT_NEAR_REL(spectrum.im[2], 178.0583, 0.22 / (n * n) + FBT_TOL(1e-5, 1e-2));
+  }
+}
+
+/* E10.6, E10.9, E12.4: nor does one whose rotary inertia has all products and a center off the line. */
+TEST(spinning_beams_of_any_inertia_are_stable)
+{
+  static const double own[9] = {0.02, 0.004, -0.003, 0.004, 0.012, 0.005, -0.003, 0.005, 0.015};
+  for (int run = 0; run < 16; run++) {
+    const double m = 0.5, c[3] = {0.0, run % 2 ? 0.1 : -0.1, 0.04};
+    fb_real *const M = desc.station[0].inertia;
+    mass_ahead(5 << run / 4, 0.0, run / 2 % 2 ? 20.0 : -20.0);
+    desc.box = (run + run / 2) % 2;
+    desc.station[0].stiffness[7] = desc.station[0].stiffness[14] = FB_R(5e4);
+    M[4] = M[24] = (fb_real)(m * c[2]);
+    M[5] = M[30] = (fb_real)(-m * c[1]);
+    M[15] = M[20] = (fb_real)(m * c[1]);
+    M[9] = M[19] = (fb_real)(-m * c[2]);
+    for (int i = 0; i < 9; i++) {
+      const int a = i / 3, b = i % 3;
+      const double square = a == b ? c[1] * c[1] + c[2] * c[2] : 0.0;
+      M[21 + 6 * a + b] = (fb_real)(own[i] + m * (square - c[a] * c[b]));
+    }
+    settle();
+    FBT_INT_EQ(work.unstable, 0);
+    spectrum_of(6);
+    for (int k = 0; k < 6; k++) {
+      FBT_BELOW(fabs((double)spectrum.re[k]), FBT_TOL(1e-12, 1e-5) * (double)spectrum.im[k]);
+    }
   }
 }
 
@@ -996,15 +1082,16 @@ TEST(elements_bear_a_tension_of_their_own)
 SUITE(exact_spectrum, RUN(slow_modes_of_floating_beams_tell_their_error), RUN(elements_bear_a_tension_of_their_own),
       RUN(curvature_may_jump_beside_a_node), RUN(an_element_that_turns_is_as_stiff_as_the_header_says),
       RUN(shear_takes_frequencies_to_order_two), RUN(eight_elements_have_four_frequencies),
-      RUN(spinning_beams_with_their_mass_ahead_are_stable), RUN(whirling_shafts_move_on_circles),
-      RUN(spectrum_is_that_of_the_natural_modes), RUN(a_rod_has_the_dispersion_of_its_mesh_and_its_step),
-      RUN(any_unit_gives_the_same_frequency), RUN(spectrum_of_a_straight_beam_is_the_textbooks),
-      RUN(free_beams_of_any_mesh_have_their_frequencies), RUN(free_arcs_move_as_far_at_both_ends),
-      RUN(spectrum_does_not_depend_on_the_count), RUN(a_body_on_a_light_beam_rings_in_closed_form),
-      RUN(bodies_swing_on_a_spinning_slide_in_closed_form), RUN(frequencies_of_a_straight_beam_are_of_order_four),
-      RUN_LONG(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
-      RUN(spinning_cantilever_has_the_published_frequencies), RUN(a_free_beam_swings_as_the_exact_one),
-      RUN(columns_buckle_at_eulers_load), RUN(columns_have_as_many_unstable_directions_as_loads_exceeded),
-      RUN(rigid_strains_are_no_unstable_directions), RUN(columns_bend_to_the_side_they_are_nudged_to),
-      RUN(a_stiff_truss_snaps_in_closed_form), RUN(arches_snap_at_their_limit_load),
-      RUN(paths_lead_through_steady_states), RUN(paths_refuse_bad_input))
+      RUN(timoshenko_beams_have_their_frequencies), RUN(twist_is_of_order_four),
+      RUN(spinning_beams_of_any_inertia_are_stable), RUN(spinning_beams_with_their_mass_ahead_are_stable),
+      RUN(whirling_shafts_move_on_circles), RUN(spectrum_is_that_of_the_natural_modes),
+      RUN(a_rod_has_the_dispersion_of_its_mesh_and_its_step), RUN(any_unit_gives_the_same_frequency),
+      RUN(spectrum_of_a_straight_beam_is_the_textbooks), RUN(free_beams_of_any_mesh_have_their_frequencies),
+      RUN(free_arcs_move_as_far_at_both_ends), RUN(spectrum_does_not_depend_on_the_count),
+      RUN(a_body_on_a_light_beam_rings_in_closed_form), RUN(bodies_swing_on_a_spinning_slide_in_closed_form),
+      RUN(frequencies_of_a_straight_beam_are_of_order_four), RUN_LONG(becks_column_flutters_at_its_load),
+      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
+      RUN(a_free_beam_swings_as_the_exact_one), RUN(columns_buckle_at_eulers_load),
+      RUN(columns_have_as_many_unstable_directions_as_loads_exceeded), RUN(rigid_strains_are_no_unstable_directions),
+      RUN(columns_bend_to_the_side_they_are_nudged_to), RUN(a_stiff_truss_snaps_in_closed_form),
+      RUN(arches_snap_at_their_limit_load), RUN(paths_lead_through_steady_states), RUN(paths_refuse_bad_input))

@@ -44,7 +44,7 @@ static const char help[] =
     "    lump X MASS [CX CY CZ [IXX IYY IZZ]]   rigid body on the node nearest to X\n"
     "    joint X AX AY AZ [angle DEGREES] [rate W] [rest DEGREES] [stiffness K] [damping C] [motor T] [driven W]\n"
     "                                  hinge at the node nearest to X about that axis of the section there\n"
-    "    gravity GX GY GZ, dissipation D, box   (box: mass along the line stays in the middle of elements)\n"
+    "    gravity GX GY GZ, dissipation D, box   (box: inertia along and about the line stays in the middle)\n"
     "    damping MU                    structural, in seconds: stress = stiffness (strain + MU strain rate);\n"
     "                                  or six: of stretch, shear y z, torsion, bending y z\n"
     "    damping_ratio Z HZ            the same by the damping ratio Z that a motion of HZ has\n"
