@@ -2717,6 +2717,10 @@ typedef enum fb_port_kind {
   FB_PORT_INTERNAL_MOMENT = 17, /* output [N m] */
   FB_PORT_FORCE_STRAIN = 18,    /* output [-], of the section */
   FB_PORT_MOMENT_STRAIN = 19,   /* output [1/m] */
+  /* exact beams only; node: one beyond the root that is held along or about the axis. Of velocities, and of internal loads
+     of a damped beam, the term in the rate of these inputs is left out */
+  FB_PORT_SUPPORT_DISPLACEMENT = 20, /* input [m], place of the support, base axes, as fb_support_place */
+  FB_PORT_SUPPORT_ROTATION = 21,     /* input [rad], section axes in the steady state */
   FB_PORT_COUNT
 } fb_port_kind;
 
@@ -2970,7 +2974,8 @@ typedef struct fb_exact_linear_work fb_exact_linear_work; /* scratch; large: mak
 /* Modal model with the `count` slowest modes (modes with equal eigenvalues stay together: one or two more) about a
    steady state of fb_exact_trim with the same input, for the inputs and outputs of desc (NULL: none). Its eigenvalues
    are those of fb_exact_spectrum_solve, and its static response is exact. Base velocity and rate move the frame in
-   which the beam is described; gravity and dead loads, which do not rotate with it, keep their present direction.
+   which the beam is described; gravity and dead loads, which do not rotate with it, keep their present direction. Supports
+   stay where they are in that frame, but for inputs that move them.
    FB_ERR_SINGULAR: no static response (an unsupported beam, a limit point), or two parallel modes (onset of flutter);
    FB_ERR_VALUE, FB_ERR_CAPACITY: count, or a port that does not exist; else as fb_exact_spectrum_solve. On failure
    linear is unchanged. */
@@ -3507,6 +3512,7 @@ struct fb_exact_spectrum_work {
 struct fb_exact_linear_work {
   fb_exact_spectrum_work spectrum;
   fb_real base_quat[4], answer[FBI_EXACT_DIM], other[FBI_EXACT_DIM];
+  fb_real rest[FB_MAX_PORTS * FBI_EXACT_DIM]; /* answer at rest to the inputs that move supports */
   fb_real basis[FB_EXACT_STATES * FBI_EXACT_DIM], R[FB_EXACT_STATES * FB_EXACT_STATES];
   fb_real right[FB_EXACT_STATES * FBI_EXACT_BASIS], left[FB_EXACT_STATES * FBI_EXACT_BASIS];
   fb_real G[FB_EXACT_STATES * FB_EXACT_STATES], scale[FB_EXACT_STATES], part[FB_EXACT_STATES], sum[FB_EXACT_STATES];
@@ -3631,7 +3637,9 @@ struct fb_advice_work {
           where the next would be rounding. Follower loads on elements that come at once move no node at once. Free beams on
           one line want inertia about it (FB_ERR_SINGULAR). Work structs are complete at the end of flexbeam.h.
           Supports of exact beams move to places that the input names, fb_exact_input.support, in steps, steady states and
-          paths: slack lines are built straight (`move` in descriptions, motion displacement and rotation in scenes).
+          paths: slack lines are built straight (`move` in descriptions, motion displacement and rotation in scenes); their
+          places are inputs of linear models, FB_PORT_SUPPORT_DISPLACEMENT, _ROTATION. Rotary inertia of their sections is
+          shared with the nodes.
           Advice ranks modes by the motion of the whole body under its loads, the recoil of the base included; measures
           the quadratic field by the lines, foresees exponential steps with large deflection (fb_envelope.smooth,
           .lasts, fb_advice.line_points), knows rotors (fb_envelope.rotor).

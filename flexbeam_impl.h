@@ -34026,7 +34026,8 @@ static fb_real fbi_own_rate(fb_real k, fb_real m, fb_real steady, fb_real other)
 
 static int fbi_port_is_input(fb_port_kind kind)
 {
-  return kind <= FB_PORT_BASE_RATE || kind == FB_PORT_DRIVE || kind == FB_PORT_PULL || kind == FB_PORT_MOTOR;
+  return kind <= FB_PORT_BASE_RATE || kind == FB_PORT_DRIVE || kind == FB_PORT_PULL || kind == FB_PORT_MOTOR ||
+         kind >= FB_PORT_SUPPORT_DISPLACEMENT;
 }
 
 /* Checks a channel; end: the kinds of the subject are below it; base: 1 if the motion of its base is prescribed; room:
@@ -35143,7 +35144,6 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
   fb_real *const P = x + 6 * (n + 1), *L = P + 6 * n;
   fb_real v[6], d[6], f[6], y[6], p[6];
   fbi_zero(work->c, 6 * n);
-  fbi_zero(work->want, 6 * (n + 1));
 
   /* Right-hand side: b of the elements, shared between their nodes */
   for (int k = 0; k < n; k++) {
@@ -35232,9 +35232,10 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
   }
 }
 
-/* x = (shift - A)^-1 b without loads. */
+/* x = (shift - A)^-1 b without loads, supports at rest. */
 static void fbi_exact_invert(fb_real *x, fb_exact_work *work, const fb_exact *m, const fb_real *b)
 {
+  fbi_zero(work->want, 6 * (m->n + 1));
   fbi_zero(work->B, 6 * (m->n + 1));
   fbi_zero(work->motor, m->n_joint);
   fbi_exact_respond(x, work, m, b);
@@ -35517,6 +35518,11 @@ FB_DEF fb_status fb_exact_spectrum_solve(const fb_exact *m, fb_exact_spectrum_wo
 
 /* ---- modal models of the geometrically exact beam */
 
+static int fbi_port_moves_support(const fb_port *port)
+{
+  return port->kind == FB_PORT_SUPPORT_DISPLACEMENT || port->kind == FB_PORT_SUPPORT_ROTATION;
+}
+
 static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_linear_desc *desc)
 {
   const fbi_count most[] = {FBI_COUNT(desc->n_in, 0, FB_MAX_PORTS, "n_in, 0 to FB_MAX_PORTS, beyond"),
@@ -35528,7 +35534,8 @@ static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_linear_desc *
     const fb_port_kind kind = port->kind;
     const int base = kind == FB_PORT_BASE_VELOCITY || kind == FB_PORT_BASE_RATE;
     const int joint = kind >= FB_PORT_DRIVE && kind <= FB_PORT_SPEED;
-    const int last = joint ? m->n_joint - 1 : kind >= FB_PORT_INTERNAL_FORCE ? m->n - 1 : m->n;
+    const int support = fbi_port_moves_support(port);
+    const int last = joint ? m->n_joint - 1 : kind >= FB_PORT_INTERNAL_FORCE && !support ? m->n - 1 : m->n;
     if (!fbi_is_choice(port->axis, 2) || !fbi_is_choice((int)kind, (int)FB_PORT_COUNT - 1) ||
         !fbi_is_choice((int)port->axes, (int)FB_AXES_COUNT - 1) || fbi_port_is_input(kind) != is_in ||
         kind == FB_PORT_ACCELERATION || (kind > FB_PORT_SPEED && kind < FB_PORT_VELOCITY)) {
@@ -35536,6 +35543,12 @@ static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_linear_desc *
     }
     if (!base && !fbi_is_choice(joint ? port->body : port->node, last)) {
       return FB_ERR_CAPACITY;
+    }
+    if (support &&
+        (port->node == 0 || !(m->held[port->node] >> (port->axis + (kind == FB_PORT_SUPPORT_ROTATION ? 3 : 0)) & 1))) {
+      return FBI_REFUSE(FB_ERR_VALUE,
+                        "port: node beyond the root, which moves with the base, that is held along the axis", k,
+                        (fb_real)port->node, (fb_real)port->axis);
     }
     if (kind == FB_PORT_DRIVE && m->joint[port->body].driven) {
       return FBI_REFUSE(FB_ERR_UNSUPPORTED, "port: motor of a driven joint, whose rate is no input of a linear model",
@@ -35545,21 +35558,38 @@ static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_linear_desc *
   return FB_OK;
 }
 
+/* Displacement of a held node by the unit of an input, as the rows of fbi_exact_hold have it: base axes where some
+   directions are free. */
+static void fbi_exact_support_set(fb_exact_work *work, const fb_exact *m, const fb_port *port)
+{
+  fb_real *const want = work->want + 6 * port->node;
+  if (port->kind == FB_PORT_SUPPORT_ROTATION) {
+    want[port->axis + 3] = FB_R(1.0);
+  } else if (fbi_exact_turned(m->held[port->node])) {
+    want[port->axis] = FB_R(1.0) / m->length;
+  } else {
+    fbi_vec3_add(want, FB_R(1.0) / m->length, work->R + 9 * port->node + 3 * port->axis);
+  }
+}
+
 /* [E12.13] Response x (poses and momenta) of the linearized beam to a unit input that grows as exp(shift t): a load is
-   subtracted from the balance of its node; a moving base carries the nodes along, v = d_t + ad(V) d + carried.
+   subtracted from the balance of its node; a moving base carries the nodes along, v = d_t + ad(V) d + carried; a support is
+   where the input says.
    Source: E12.4.  Cost: as E12.4.  Fails: never, once factored.
-   Test: linear_beams_rest_where_the_beam_does, linear_beams_move_as_the_beam_does. */
+   Test: linear_beams_rest_where_the_beam_does, linear_beams_move_as_the_beam_does,
+   moved_supports_are_inputs_of_linear_beams. */
 static void fbi_exact_port_answer(fb_real *x, fb_exact_linear_work *w, const fb_exact *m, const fb_port *port)
 {
   fb_exact_work *const work = &w->spectrum.exact;
   const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real unit[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, *const b = w->other;
   fbi_zero(b, fbi_exact_dim(m));
+  fbi_zero(work->want, 6 * (m->n + 1));
   fbi_zero(work->B, 6 * (m->n + 1));
   fbi_zero(work->motor, m->n_joint);
   unit[port->axis] = FB_R(1.0);
 
-  /* Force or torque on a node, motor, else a velocity of the base */
+  /* Force or torque on a node, motor, place of a support, else a velocity of the base */
   if (port->kind == FB_PORT_FORCE || port->kind == FB_PORT_TORQUE) {
     fb_real dead[6], follower[6], base[9], f[3], *const B = work->B + 6 * port->node;
     fbi_vec6_zero(dead);
@@ -35574,6 +35604,8 @@ static void fbi_exact_port_answer(fb_real *x, fb_exact_linear_work *w, const fb_
     }
   } else if (port->kind == FB_PORT_DRIVE) {
     work->motor[port->body] = FB_R(1.0) / (m->force * m->length);
+  } else if (fbi_port_moves_support(port)) {
+    fbi_exact_support_set(work, m, port);
   } else {
     fbi_zero(work->twist, 6);
     fbi_vec3_add(work->twist + (port->kind == FB_PORT_BASE_VELOCITY ? 0 : 3),
@@ -35779,14 +35811,18 @@ static fb_status fbi_exact_project(fb_exact_linear_work *w, const fb_exact *m, i
 }
 
 /* Column of B: b = (shift - lambda) times the modal part of the response. The static response of the modes, -b/lambda,
-   is subtracted from D. */
-static void fbi_exact_linear_input(fb_exact_linear_work *w, const fb_exact *m, int input)
+   is subtracted from D. moves: a support (E12.13), whose answer beyond that at rest, z, has z_t = A z + beta u_t, so that
+   with x = z - beta u modes have b = lambda beta = lambda/shift (shift - lambda) times their part of z. */
+static void fbi_exact_linear_input(fb_exact_linear_work *w, const fb_exact *m, int input, int moves)
 {
   fb_exact_linear *const out = &w->linear;
+  const fb_real by = m->time / w->spectrum.exact.motion.shift;
   for (int k = 0, at = 0; k < out->n_mode; k++) {
     const int pair = out->im[k] > FB_R(0.0);
     const fbi_complex part = {w->part[at], pair ? w->part[at + 1] : FB_R(0.0)}, lambda = {out->re[k], out->im[k]};
-    const fbi_complex b = fbi_complex_mul(fbi_exact_distance(w, m, k), part), rest = fbi_complex_div(b, lambda);
+    const fbi_complex one = {FB_R(1.0), FB_R(0.0)}, share = {lambda.re * by, lambda.im * by};
+    const fbi_complex own = fbi_complex_mul(fbi_exact_distance(w, m, k), part);
+    const fbi_complex b = fbi_complex_mul(own, moves ? share : one), rest = fbi_complex_div(b, lambda);
     const fb_real both[2][2] = {{b.re, rest.re}, {b.im, rest.im}};
     for (int i = 0; i <= pair; i++, at++) {
       out->B[at * out->n_in + input] = both[i][0] / m->time;
@@ -35812,6 +35848,7 @@ static void fbi_exact_linear_gain(fb_exact_linear_work *w, const fb_exact *m, co
 {
   for (int k = 0; k < desc->n_in; k++) {
     fbi_exact_port_answer(w->answer, w, m, &desc->in[k]);
+    fbi_copy(w->rest + k * FBI_EXACT_DIM, w->answer, fbi_exact_dim(m));
     for (int o = 0; o < desc->n_out; o++) {
       w->linear.D[o * desc->n_in + k] = fbi_exact_port_read(&w->spectrum.exact, m, w->answer, &desc->out[o]);
     }
@@ -35843,9 +35880,13 @@ static fb_status fbi_exact_linear_gains(fb_exact_linear_work *w, const fb_exact 
 {
   FBI_TRY(fbi_exact_linear_modes(w, m, desc, fbi_exact_basis(m, count)));
   for (int k = 0; k < desc->n_in; k++) {
+    const int moves = fbi_port_moves_support(&desc->in[k]);
     fbi_exact_port_answer(w->answer, w, m, &desc->in[k]);
+    if (moves) {
+      fbi_row_sub(w->answer, FB_R(1.0), w->rest + k * FBI_EXACT_DIM, fbi_exact_dim(m));
+    }
     FBI_TRY(fbi_exact_project(w, m, fbi_exact_basis(m, count)));
-    fbi_exact_linear_input(w, m, k);
+    fbi_exact_linear_input(w, m, k, moves);
   }
   return FB_OK;
 }

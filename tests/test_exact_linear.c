@@ -116,11 +116,21 @@ static double port_value(const fb_port *p, const fb_exact_state *of)
   }
 }
 
+static int moves_support(const fb_port *p)
+{
+  return p->kind == FB_PORT_SUPPORT_DISPLACEMENT || p->kind == FB_PORT_SUPPORT_ROTATION;
+}
+
 /* The input moved by h. */
 static void port_drive(fb_exact_input *moved, const fb_port *p, double h)
 {
   *moved = input;
-  if (p->kind == FB_PORT_BASE_VELOCITY || p->kind == FB_PORT_BASE_RATE) {
+  if (moves_support(p)) {
+    fb_support_place *const place = &moved->support[moved->n_support++];
+    memset(place, 0, sizeof *place);
+    place->node = p->node;
+    (p->kind == FB_PORT_SUPPORT_ROTATION ? place->rotation : place->displacement)[p->axis] = (fb_real)h;
+  } else if (p->kind == FB_PORT_BASE_VELOCITY || p->kind == FB_PORT_BASE_RATE) {
     (p->kind == FB_PORT_BASE_RATE ? moved->w : moved->v)[p->axis] += (fb_real)h;
   } else {
     fb_load *const load = &moved->load[moved->n_load++];
@@ -156,6 +166,35 @@ static void linear_response(double y[2], int out, int in, double omega)
   }
 }
 
+/* Answers at rest to an input against differences of steady states. */
+static void compare_rest(double *largest, int i)
+{
+  const fb_port *const in = &ports.in[i];
+  const double h = (in->kind == FB_PORT_BASE_RATE || moves_support(in) ? 1e-3 : 1e-2) * FBT_TOL(1.0, 10.0);
+  const double weight[4] = {1.0 / 12.0, -2.0 / 3.0, 2.0 / 3.0, -1.0 / 12.0};
+  double want[FB_MAX_PORTS] = {0.0}, most = 0.0;
+  for (int step = 0; step < 4; step++) {
+    static fb_exact_input moved;
+    port_drive(&moved, in, h * (step < 2 ? step - 2 : step - 1));
+    state = steady;
+    FBT_INT_EQ(fb_exact_trim(&exact, &state, &work, &moved), FB_OK);
+    for (int o = 0; o < ports.n_out; o++) {
+      want[o] += weight[step] / h * port_value(&ports.out[o], &state);
+    }
+  }
+  for (int o = 0; o < ports.n_out; o++) {
+    most = fmax(most, fabs(want[o]));
+  }
+  for (int o = 0; o < ports.n_out; o++) {
+    double y[2];
+    linear_response(y, o, i, 0.0);
+    if (fabs(want[o]) > 1e-3 * most) {
+      *largest = fmax(*largest, fabs(y[0] / want[o] - 1.0));
+    }
+    FBT_NEAR_ABS(y[0], want[o], FBT_TOL(1e-6 * fabs(want[o]) + 1e-9 * most + 1e-14, 1e-1 * most + 1e-6));
+  }
+}
+
 /* E12.13, E12.15: at rest the linear model answers as fb_exact_trim does to small changes of every input, with
    any number of modes; its eigenvalues are those of the spectrum, and of A. */
 TEST(linear_beams_rest_where_the_beam_does)
@@ -177,30 +216,7 @@ TEST(linear_beams_rest_where_the_beam_does)
       FBT_TRUE(memcmp(linear.im, spectrum.im, (size_t)count * sizeof(fb_real)) == 0);
       FBT_NEAR_ABS(fb_spectrum_margin(NULL, linear.re, count), fb_spectrum_margin(NULL, spectrum.re, count), 0.0);
       for (int i = 0; i < ports.n_in; i++) {
-        const fb_port *const in = &ports.in[i];
-        const double h = (in->kind == FB_PORT_BASE_RATE ? 1e-3 : 1e-2) * FBT_TOL(1.0, 10.0);
-        const double weight[4] = {1.0 / 12.0, -2.0 / 3.0, 2.0 / 3.0, -1.0 / 12.0};
-        double want[FB_MAX_PORTS] = {0.0}, most = 0.0;
-        for (int step = 0; step < 4; step++) {
-          static fb_exact_input moved;
-          port_drive(&moved, in, h * (step < 2 ? step - 2 : step - 1));
-          state = steady;
-          FBT_INT_EQ(fb_exact_trim(&exact, &state, &work, &moved), FB_OK);
-          for (int o = 0; o < ports.n_out; o++) {
-            want[o] += weight[step] / h * port_value(&ports.out[o], &state);
-          }
-        }
-        for (int o = 0; o < ports.n_out; o++) {
-          most = fmax(most, fabs(want[o]));
-        }
-        for (int o = 0; o < ports.n_out; o++) {
-          double y[2];
-          linear_response(y, o, i, 0.0);
-          if (fabs(want[o]) > 1e-3 * most) {
-            largest = fmax(largest, fabs(y[0] / want[o] - 1.0));
-          }
-          FBT_NEAR_ABS(y[0], want[o], FBT_TOL(1e-6 * fabs(want[o]) + 1e-9 * most + 1e-14, 1e-1 * most + 1e-6));
-        }
+        compare_rest(&largest, i);
       }
     }
   }
@@ -301,23 +317,25 @@ static void linear_step(double *middle, double *x, int in, double u, double dt)
 
 /* Largest difference of model and beam in each output, and the largest output, after a push u(t) = sin^4 half a period
    of the third mode long and as long again: both by the midpoint rule; half the difference of a push and its
-   opposite. */
+   opposite. Of a support the middle of a step has the mean of its places. */
 static void compare_push(double worst[FB_MAX_PORTS], double most[FB_MAX_PORTS], int in)
 {
   static fb_exact_state both[2];
   static fb_exact_input moved;
-  const double size = (ports.in[in].kind == FB_PORT_BASE_RATE ? 1e-4 : 1e-3) * FBT_TOL(1.0, 300.0);
+  const int place = moves_support(&ports.in[in]);
+  const double size = (ports.in[in].kind == FB_PORT_BASE_RATE ? 1e-4 : 1e-3) * FBT_TOL(1.0, place ? 20.0 : 300.0);
   const double length = pi / (double)linear.im[2], dt = length / 48.0;
   double x[FB_EXACT_STATES] = {0.0};
   both[0] = both[1] = steady;
   for (int step = 0; step < 96; step++) {
     const double t = (step + 0.5) * dt, after = t + 0.5 * dt;
-    const double u[2] = {t < length ? pow(sin(pi * t / length), 4.0) : 0.0,
-                         after < length ? pow(sin(pi * after / length), 4.0) : 0.0};
+    const double end = after < length ? pow(sin(pi * after / length), 4.0) : 0.0;
+    const double start_of = t < length ? pow(sin(pi * (t - 0.5 * dt) / length), 4.0) : 0.0;
+    const double u[2] = {place ? 0.5 * (start_of + end) : t < length ? pow(sin(pi * t / length), 4.0) : 0.0, end};
     double middle[FB_EXACT_STATES];
     linear_step(middle, x, in, u[0], dt);
     for (int way = 0; way < 2; way++) {
-      port_drive(&moved, &ports.in[in], way ? -u[0] * size : u[0] * size);
+      port_drive(&moved, &ports.in[in], (way ? -size : size) * u[place]);
       FBT_INT_EQ(fb_exact_step(&exact, &both[way], &work, &moved, (fb_real)dt), FB_OK);
     }
     for (int o = 0; o < ports.n_out; o++) { /* poses are those after the step, all else that of its middle */
@@ -358,6 +376,98 @@ TEST(linear_beams_move_as_the_beam_does)
   FBT_BELOW(largest[1], FBT_TOL(4e-3, 0.2));
   fbt_figure("linear model of four elements with all its modes, pushed by loads", "fb_exact_step", largest[0]);
   fbt_figure("the same, its base moved", "fb_exact_step", largest[1]);
+}
+
+/* E12.13, E12.14, E12.15, E10.30: supports that move are inputs: the answer at rest is that of fb_exact_trim, that in time that
+   of fb_exact_step, with all modes of four elements. Held at both ends, bent and damped (strains: loads of dampers follow the
+   rate of the input); between them, by one direction aslant in the base; at the tip of what spins, whose root slides. */
+TEST(moved_supports_are_inputs_of_linear_beams)
+{
+  const double stiffness[6] = {1e4, 3e3, 3e3, 20.0, 50.0, 70.0}, inertia[6] = {2.0, 2.0, 2.0, 0.02, 0.01, 0.01};
+  static const int all[3] = {18, 23, 22};
+  double rest = 0.0, largest = 0.0;
+  for (int which = 0; which < 3; which++) {
+    const int n = 4, at = which == 1 ? 2 : 4;
+    double worst[FB_MAX_PORTS] = {0.0}, most[FB_MAX_PORTS] = {0.0};
+    beam(2.0, n, stiffness, inertia);
+    desc.attitude[0] = FB_R(0.9);
+    desc.attitude[1] = FB_R(0.3);
+    for (int i = 0; i < 6; i++) {
+      desc.damping[i] = which ? FB_R(0.0) : FB_R(1e-3);
+    }
+    desc.tip = which == 0 ? FB_END_CLAMPED : which == 2 ? FB_HOLD_Y | FB_HOLD_Z | FB_HOLD_X : FB_END_FREE;
+    desc.root = which == 2 ? FB_END_CLAMPED & ~FB_HOLD_X : FB_END_CLAMPED;
+    if (which == 1) {
+      desc.n_support = 1;
+      desc.support[0].node = at;
+      desc.support[0].held = FB_HOLD_Y;
+    }
+    input.w[0] = which == 2 ? FB_R(3.0) : FB_R(0.0);
+    input.n_load = 1;
+    input.load[0].node = n - 1;
+    input.load[0].axes = FB_AXES_BODY;
+    input.load[0].force[1] = FB_R(8.0);
+    input.load[0].force[2] = FB_R(3.0);
+    settle();
+    steady = state;
+    memset(&ports, 0, sizeof ports);
+    for (int axis = 0; axis < 3; axis++) {
+      if (which != 1 || axis == 1) {
+        port(ports.in, &ports.n_in, FB_PORT_SUPPORT_DISPLACEMENT, at, axis, FB_AXES_BODY);
+      }
+      if (which == 0) {
+        port(ports.in, &ports.n_in, FB_PORT_SUPPORT_ROTATION, at, axis, FB_AXES_BODY);
+      }
+      port(ports.out, &ports.n_out, FB_PORT_DISPLACEMENT, at, axis, FB_AXES_BODY);
+      port(ports.out, &ports.n_out, FB_PORT_DISPLACEMENT, n - 1, axis, FB_AXES_BODY);
+      port(ports.out, &ports.n_out, which ? FB_PORT_INTERNAL_MOMENT : FB_PORT_MOMENT_STRAIN, n - 2, axis, FB_AXES_BODY);
+    }
+    port(ports.out, &ports.n_out, FB_PORT_ROTATION, at, 2, FB_AXES_BODY);
+    port(ports.out, &ports.n_out, which ? FB_PORT_INTERNAL_FORCE : FB_PORT_FORCE_STRAIN, 1, 1, FB_AXES_BODY);
+    port(ports.out, &ports.n_out, FB_PORT_MOMENT_STRAIN, 1, 2, FB_AXES_BODY);
+    FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &steady, &input, &ports, FB_SINGLE ? 12 : all[which]),
+               FB_OK);
+    for (int i = 0; i < ports.n_in; i++) {
+      compare_rest(&rest, i);
+      compare_push(worst, most, i);
+    }
+    for (int o = 0; o < ports.n_out; o++) {
+      largest = fmax(largest, worst[o] / most[o]);
+    }
+  }
+  FBT_BELOW(largest, FBT_TOL(4e-3, 0.2));
+  fbt_figure("linear model of four elements, its supports moved", "fb_exact_step", largest);
+}
+
+/* E12.13, E12.15: the free end of a cantilever whose support shakes goes (cos + cosh)/(1 + cos cosh) of b = sqrt(omega) as far
+   as the support, whose place is its output as it is its input. */
+TEST(shaken_cantilevers_answer_in_closed_form)
+{
+  const double k = FBT_TOL(1e8, 1e4), stiffness[6] = {k, k, k, 1.0, 1.0, 2.0},
+               inertia[6] = {1.0, 1.0, 1.0, 1e-5, 0.0, 0.0};
+  double largest = 0.0;
+  beam(1.0, 40, stiffness, inertia);
+  desc.root = FB_END_FREE;
+  desc.tip = FB_END_CLAMPED;
+  settle();
+  memset(&ports, 0, sizeof ports);
+  port(ports.in, &ports.n_in, FB_PORT_SUPPORT_DISPLACEMENT, 40, 2, FB_AXES_BODY);
+  port(ports.out, &ports.n_out, FB_PORT_DISPLACEMENT, 0, 2, FB_AXES_BODY);
+  port(ports.out, &ports.n_out, FB_PORT_DISPLACEMENT, 40, 2, FB_AXES_BODY);
+  FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &state, &input, &ports, 12), FB_OK);
+  for (int i = 0; i <= 40; i++) {
+    const double omega = 1.07 * i, b = sqrt(omega);
+    const double closed_form = (cos(b) + cosh(b)) / (1.0 + cos(b) * cosh(b));
+    double y[2], own[2];
+    linear_response(y, 0, 0, omega);
+    linear_response(own, 1, 0, omega);
+    largest = fmax(largest, fabs(y[0] - closed_form) / (fabs(closed_form) + 1e-1));
+    FBT_NEAR_ABS(y[0], closed_form, FBT_TOL(2e-3, 0.3) * (fabs(closed_form) + 1e-1));
+    FBT_NEAR_ABS(y[1], 0.0, FBT_TOL(1e-6, 5e-2));
+    FBT_NEAR_ABS(own[0], 1.0, FBT_TOL(1e-9, 1e-3));
+  }
+  fbt_figure("linear model of a shaken cantilever, support to free end, to twice the second frequency", "closed form",
+             largest);
 }
 
 /* E12.15: tip deflection by a tip force at any frequency, of a uniform cantilever: (sin cosh - cos sinh)/(b^3 (1 + cos
@@ -500,6 +610,14 @@ TEST(linear_beams_refuse_bad_input)
     wrong.out[0].kind = bad == 7 ? FB_PORT_COUNT : FB_PORT_DISPLACEMENT;
     FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &steady, &input, &wrong, 2),
                bad < 5 ? FB_ERR_CAPACITY : FB_ERR_VALUE);
+  }
+  for (int bad = 0; bad < 3; bad++) { /* the root, what nothing holds, a place as an output */
+    static fb_linear_desc wrong;
+    wrong = ports;
+    wrong.in[0].kind = FB_PORT_SUPPORT_DISPLACEMENT;
+    wrong.in[0].node = bad == 0 ? 0 : 4;
+    wrong.out[0].kind = bad == 2 ? FB_PORT_SUPPORT_ROTATION : wrong.out[0].kind;
+    FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &steady, &input, &wrong, 2), FB_ERR_VALUE);
   }
   elastica(4); /* nothing holds it */
   desc.root = FB_END_FREE;
@@ -701,6 +819,7 @@ SUITE(exact_linear, RUN(linear_beams_follow_the_unit_of_time), RUN(the_check_wor
       RUN(states_that_are_not_numbers_are_refused), RUN(models_with_impossible_counts_are_refused),
       RUN_LONG(linear_beams_rest_where_the_beam_does), RUN(equal_frequencies_are_kept_together),
       RUN(frequencies_are_equal_to_a_part_in_a_hundred_thousand), RUN_LONG(linear_beams_move_as_the_beam_does),
-      RUN(linear_beams_answer_at_every_frequency), RUN(damped_modes_have_the_ratio_of_their_frequency),
+      RUN(linear_beams_answer_at_every_frequency), RUN(moved_supports_are_inputs_of_linear_beams),
+      RUN(shaken_cantilevers_answer_in_closed_form), RUN(damped_modes_have_the_ratio_of_their_frequency),
       RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),
       RUN(exact_beam_refuses_bad_input))

@@ -48,12 +48,28 @@ typedef struct linear_port {
   const char *name, *unit;
 } linear_port;
 
-static const linear_port linear_ports[] = {
-    {"force", "N"},          {"torque", "N m"},          {"base_velocity", "m/s"}, {"base_rate", "rad/s"},
-    {"displacement", "m"},   {"rotation", "rad"},        {"rate", "rad/s"},        {"acceleration", "m/s^2"},
-    {"drive", "N m"},        {"coordinate", "rad"},      {"speed", "rad/s"},       {"pull", "N"},
-    {"length", "m"},         {"motor", "N m"},           {"rotor_speed", "rad/s"}, {"velocity", "m/s"},
-    {"internal_force", "N"}, {"internal_moment", "N m"}, {"force_strain", "-"},    {"moment_strain", "1/m"}};
+static const linear_port linear_ports[] = {{"force", "N"},
+                                           {"torque", "N m"},
+                                           {"base_velocity", "m/s"},
+                                           {"base_rate", "rad/s"},
+                                           {"displacement", "m"},
+                                           {"rotation", "rad"},
+                                           {"rate", "rad/s"},
+                                           {"acceleration", "m/s^2"},
+                                           {"drive", "N m"},
+                                           {"coordinate", "rad"},
+                                           {"speed", "rad/s"},
+                                           {"pull", "N"},
+                                           {"length", "m"},
+                                           {"motor", "N m"},
+                                           {"rotor_speed", "rad/s"},
+                                           {"velocity", "m/s"},
+                                           {"internal_force", "N"},
+                                           {"internal_moment", "N m"},
+                                           {"force_strain", "-"},
+                                           {"moment_strain", "1/m"},
+                                           {"support_displacement", "m"},
+                                           {"support_rotation", "rad"}};
 typedef char linear_ports_are_whole[sizeof linear_ports / sizeof linear_ports[0] == FB_PORT_COUNT ? 1 : -1];
 
 static inline void linear_name(linear_value *v, const char *unit, const char *before, const char *of, const char *what)

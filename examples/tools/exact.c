@@ -64,6 +64,9 @@ static const char help[] =
     "  --inputs LIST   of it, with commas between: force.NODE.AXIS, torque.NODE.AXIS, base_velocity.AXIS, "
     "base_rate.AXIS;\n"
     "                  base axes; NODE a number, root or tip, AXIS x, y or z (force and torque at the tip);\n"
+    "                  support_displacement.NODE.AXIS, support_rotation.NODE.AXIS (section axes) of what is held, but "
+    "the "
+    "root;\n"
     "                  drive.JOINT, a number from 0\n"
     "  --outputs LIST  displacement (base axes), rotation, velocity, rate, each .NODE.AXIS; internal_force, "
     "internal_moment,\n"
@@ -176,9 +179,10 @@ static int read_port(void *ports, int k, const char *option, const char *word)
 {
   fb_port *const port = (fb_port *)ports + k;
   const int kind = port_kind(linear_ports, FB_PORT_COUNT, word);
-  const int of_element = kind >= FB_PORT_INTERNAL_FORCE, count = beam.n + !of_element;
+  const int support = kind == FB_PORT_SUPPORT_DISPLACEMENT || kind == FB_PORT_SUPPORT_ROTATION;
+  const int of_element = kind >= FB_PORT_INTERNAL_FORCE && !support, count = beam.n + !of_element;
   const int of_joint = kind >= FB_PORT_DRIVE && kind <= FB_PORT_SPEED;
-  const int is_input = kind < FB_PORT_DISPLACEMENT || kind == FB_PORT_DRIVE;
+  const int is_input = kind < FB_PORT_DISPLACEMENT || kind == FB_PORT_DRIVE || support;
   port_place place;
   if (kind == FB_PORT_COUNT || kind == FB_PORT_ACCELERATION || (kind > FB_PORT_SPEED && kind < FB_PORT_VELOCITY) ||
       is_input != (option[2] == 'i')) {

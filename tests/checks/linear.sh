@@ -113,6 +113,8 @@ refuse 2 "--inputs: rate.tip.x: no such kind" $bent "$out/no.json" --inputs rate
 refuse 2 "--inputs: force.41.x: no such node" $bent "$out/no.json" --inputs force.41.x
 refuse 2 "--outputs: internal_moment.40.x: no such element" $bent "$out/no.json" --outputs internal_moment.40.x
 refuse 2 "--inputs: base_rate.0.x: the base has no node" $bent "$out/no.json" --inputs base_rate.0.x
+refuse 1 "that is held along the axis" $bent "$out/no.json" --inputs support_displacement.tip.x
+refuse 2 "--outputs: support_rotation.tip.x: no such kind" $bent "$out/no.json" --outputs support_rotation.tip.x
 refuse 2 "drive.1: no such joint" build/flexbeam exact "$out/hinged.txt" --linear "$out/no.json" --inputs drive.1
 refuse 2 "coordinate.0: no such kind" build/flexbeam exact "$out/hinged.txt" --linear "$out/no.json" --inputs coordinate.0
 refuse 2 "--inputs and --outputs are those of --linear" build/flexbeam exact "$out/bend.txt" --inputs force.tip.x
