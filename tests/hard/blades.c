@@ -344,7 +344,7 @@ void hard_helix(int brief)
                   .hard = 0.9,
                   .measure = "change of the energy, of that of the fall",
                   .naive = "its weight in section axes from the start of each step"};
-  row.bound = brief ? HARD_TOL(1e-11, 1e-4) : HARD_TOL(1e-9, 5e-3);
+  row.bound = HARD_TOL(2e-13, brief ? 1e-4 : 5e-3); /* 1e-11 J */
   row.steps = count;
   row.time = count * dt;
   row.periods = row.time * 3.516 * sqrt(100.0 / 625.0) / (2.0 * HARD_PI);
