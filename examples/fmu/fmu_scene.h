@@ -501,6 +501,7 @@ static inline int fmu_plant_spans(const fmu_plant *p, fmu_span *span, fmu_plant_
   fb_exact_state *const x = &state->of.exact;
   const size_t bodies = (size_t)s->n_body, joints = bodies + (size_t)s->n_loop;
   const size_t cells = (size_t)(s->is_exact ? s->exact.n_all : 0), nodes = cells + 1, real = sizeof(fb_real);
+  const size_t hinges = (size_t)(s->is_exact ? s->exact.desc.n_joint : 0);
   const size_t head = offsetof(fmu_plant_state, remembered) + (size_t)s->n_remembered * sizeof state->remembered[0];
   const fmu_span first = {state, head}, alone = {&state->of.body, sizeof state->of.body};
   const fmu_span of_system[] = {{system->link, bodies * sizeof system->link[0]},
@@ -518,6 +519,8 @@ static inline int fmu_plant_spans(const fmu_plant *p, fmu_span *span, fmu_plant_
                                {x->strain_rate, 6 * cells * real},
                                {x->momentum_rate, 6 * cells * real},
                                {x->velocity_rate, 6 * nodes * real},
+                               {x->angle, hinges * real},
+                               {x->angle_rate, hinges * real},
                                {x->V[0], 6 * nodes * real},
                                {x->V[1], 6 * nodes * real},
                                {x->V[2], 6 * nodes * real},

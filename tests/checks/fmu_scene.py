@@ -114,6 +114,34 @@ output mode mode_rate boom 1
 output hold reaction_torque boom
 output energy energy
 """
+HINGED = """
+duration 2
+interval 0.05
+step 0.005
+gravity 0 0 -9.81
+body beam exact
+  length 4
+  elements 16
+  station 0
+  stiffness 1e5 1e5 1e5 200 150 300
+  inertia 1.2 1.2 1.2 0.02 0.01 0.01
+  support 3 x y z
+  joint 1 0 1 0 angle 5 stiffness 50 damping 0.5
+  damping 0.002
+  node 3 held
+  node 4 tip
+end
+motion displacement beam.held 0 0 0.1 smooth 1 0.1 1
+output bend displacement beam.tip
+control hold
+  sample 0.02
+  delay 0.013
+  input bend_z 20
+  pid 3 2 0.1 0.01
+  saturate 4
+  output load beam.tip follower force 0 0 1
+end
+"""
 numbers = refusals = 0
 
 
@@ -320,8 +348,11 @@ def check_odd_steps():
 
 def check_states():
     """10,000 times saved and set again: the same bits. Serialized into another instance: the same motion, after it moved
-    elsewhere with other parameters. With controllers and delays, latches, exact beams, loops, rotors."""
-    cases = {"satellite_control": 100, "deployment": 20, "whirl": 20, "squeezer": 20, "momentum_wheel": 20, "functions": 20, "spacecraft": 20}
+    elsewhere with other parameters. With controllers and delays, latches, exact beams with joints and supports, loops, rotors."""
+    (folder / "hinged.txt").write_text(HINGED)
+    export(folder / "hinged.txt", 2)
+    cases = {"satellite_control": 100, "deployment": 20, "whirl": 20, "squeezer": 20, "momentum_wheel": 20, "functions": 20, "hinged": 20,
+             "spacecraft": 20}
     for k, (name, count) in enumerate(cases.items()):
         file = folder / f"{name}{2 + k % 2}.fmu"
         one = Instance(file)
