@@ -334,6 +334,26 @@ static void scene_check_speeds(text_file *t, const scene_joint *joint)
   }
 }
 
+/* Where a spring rests, and the speed of friction, say nothing without the spring and the friction. */
+static void scene_check_lone(text_file *t, const scene *s)
+{
+  for (int k = 0; k < s->n_joint; k++) {
+    const text_words *const seen = &s->joint[k].seen;
+    if (!text_seen(seen, "stiffness")) {
+      scene_refuse(t, seen, "rest", "of a joint wants a line stiffness, of the spring that rests there");
+    }
+    if (!text_seen(seen, "friction")) {
+      scene_refuse(t, seen, "friction_speed", "of a joint wants a line friction");
+    }
+  }
+  for (int k = 0; k < s->n_spring; k++) {
+    const text_words *const seen = &s->spring[k].seen;
+    if (!text_seen(seen, "stiffness")) {
+      scene_refuse(t, seen, "length", "of a spring wants a line stiffness: unstretched it has that length");
+    }
+  }
+}
+
 static void scene_check_system(text_file *t, const scene *s)
 {
   scene_refuse(t, &s->seen, "motion", "is that of a single body's base; prescribe a joint instead");
@@ -359,6 +379,7 @@ static void scene_check_system(text_file *t, const scene *s)
   for (int k = 0; k < s->n_drive; k++) {
     scene_check_drive(t, s, &s->drive[k]);
   }
+  scene_check_lone(t, s);
 }
 
 /* ---- the whole */

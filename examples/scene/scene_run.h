@@ -1048,8 +1048,14 @@ static void scene_tell_moved(const scene *s, FILE *talk)
     const scene_joint *const joint = &s->joint[k];
     for (int axis = 0; axis < 2; axis++) {
       const double value = (double)engine.view.motion.joint[joint->at].value[axis], asked = joint->start[axis];
+      const double speed = (double)engine.view.motion.joint[joint->at].speed[axis], wanted = joint->speed[axis];
+      const char *const unit = scene_axis_slides(joint, axis) ? "m/s" : "rad/s";
       if (scene_seen_numbered(&joint->seen, "start", axis + 1) && fabs(value - asked) > 1e-6 * (1 + fabs(asked))) {
         fprintf(talk, "joint %s starts at %.6g instead of %.6g, where its loop is closed\n", joint->name, value, asked);
+      }
+      if (scene_seen_numbered(&joint->seen, "speed", axis + 1) && fabs(speed - wanted) > 1e-6 * (1 + fabs(wanted))) {
+        fprintf(talk, "joint %s starts at %.6g %s instead of %.6g %s, where its loop is closed\n", joint->name, speed,
+                unit, wanted, unit);
       }
     }
   }

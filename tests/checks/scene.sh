@@ -311,6 +311,17 @@ grep -q "$told" "$out/log" || fail "nothing is said of joints that a loop moves"
 sed -i '/rate 1/d; /^parameter rate/d; /^output\|^measure\|^expect/d' "$out/moved.txt"
 try build/flexbeam scene "$out/moved.txt" --code "$out/moved.h"
 grep -q "$told" "$out/log" || fail "--code: nothing is said of joints that a loop moves"
+# a speed, too: the coupler does not turn where crank and rocker are upright, the rocker turns by 2 0.3/0.5 rad/s
+printf 'duration 0.01\nbody crank rigid\n  hub 1  0 0 0  1 1 1\n  node 0.3 0 0 pin\nend\nbody coupler rigid\n  hub 1  0 0 0  1 1 1\n  node 0.7 0 0 pin\n' > "$out/hasty.txt"
+printf 'end\nbody rocker rigid\n  hub 1  0 0 0  1 1 1\n  node 0.5 0 0 pin\nend\njoint shaft revolute ground crank\n  start 1 1.5707963267948966 2\n' >> "$out/hasty.txt"
+printf 'end\njoint pin revolute crank.pin coupler\n  start 1 -1.5707963267948966 -2\nend\njoint pivot revolute ground rocker\n' >> "$out/hasty.txt"
+printf '  position 0.7 -0.2 0\n  start 1 1.5707963267948966 1.2\nend\nloop knee revolute coupler.pin rocker.pin\nend\n' >> "$out/hasty.txt"
+told='joint [a-z]* starts at .* rad/s instead of .* rad/s, where its loop is closed'
+try build/flexbeam scene "$out/hasty.txt"
+! grep -q 'where its loop is closed' "$out/log" || fail "speeds of the linkage are told of: $(cat "$out/log")"
+sed -i 's/^  start 1 1.5707963267948966 2/  start 1 1.5707963267948966 3/' "$out/hasty.txt"
+try build/flexbeam scene "$out/hasty.txt"
+grep -q "$told" "$out/log" || fail "nothing is said of speeds that a loop changes"
 
 # modes that a loop moves at the start are told, too, and not where joints have the speeds of the linkage, by closed form:
 # crank and coupler in line at 0 and pi, rocker upright

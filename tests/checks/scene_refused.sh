@@ -1232,6 +1232,22 @@ joint j free ground b
   friction 1 1 1 1 1 1
 end
 END
+other 2 "rest of a joint wants a line stiffness" << END
+joint j revolute ground b
+  rest 0.3
+end
+END
+other 2 "friction_speed of a joint wants a line friction" << END
+joint j revolute ground b
+  friction_speed 0.3
+end
+END
+other 2 "length of a spring wants a line stiffness" << END
+spring s ground b
+  length 0.3
+  pull constant 1
+end
+END
 other 2 "a free joint has no motors: use load" << END
 joint j free ground b
   motor 1 constant 1
