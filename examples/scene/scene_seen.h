@@ -436,7 +436,8 @@ static int seen_amplitudes(fb_real amplitude[FB_MAX_LINEAR], const scene *s, int
   }
   range = swings ? fmax(range, sum) : range;
   for (int k = 0; k < engine.spectrum.n && range > 0; k++) {
-    amplitude[k] = (fb_real)(own[k] / range);
+    const double grown = fmax(0, (double)engine.spectrum.re[k]) * s->duration; /* what a run grew to is in its range */
+    amplitude[k] = (fb_real)(swings ? own[k] / range : fmin(own[k] / range, exp(-grown)));
   }
   return sum > 0 && range > 0 && isfinite(sum / range);
 }
