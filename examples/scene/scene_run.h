@@ -716,9 +716,26 @@ static const scene_joint *scene_loose(scene *s, int *axis)
   return NULL;
 }
 
+/* A spring between the ground and a body that nothing else holds: trims know no rest of such a body. NULL: none. */
+static const scene_spring *scene_only_spring(const scene *s, int *body)
+{
+  for (int k = 0; k < s->n_spring; k++) {
+    const fb_spring *const d = &s->spring[k].desc;
+    const scene_joint *joint;
+    *body = d->body[d->body[0] == FB_GROUND];
+    joint = scene_joint_under(s, *body);
+    if ((d->body[0] == FB_GROUND || d->body[1] == FB_GROUND) &&
+        (!joint || (joint->desc.kind == FB_JOINT_FREE && !text_seen(&joint->seen, "stiffness")))) {
+      return &s->spring[k];
+    }
+  }
+  return NULL;
+}
+
 static int scene_no_start(scene *s, fb_status status)
 {
-  int axis = 0;
+  int axis = 0, body = 0;
+  const scene_spring *const only = s->trim && status == FB_ERR_UNREST ? scene_only_spring(s, &body) : NULL;
   const scene_joint *const loose = s->trim && status == FB_ERR_SINGULAR ? scene_loose(s, &axis) : NULL;
   char which[24] = "some axis";
   if (loose && scene_axes(loose) < 3) {
@@ -727,6 +744,12 @@ static int scene_no_start(scene *s, fb_status status)
   if (loose) {
     return scene_fail_at(s, loose->line, "no steady state: nothing holds %s of joint %s: lock it, or give it a spring",
                          which, loose->name);
+  }
+  if (only) {
+    return scene_fail_at(s, only->line,
+                         "trim does not find where body %s rests on springs alone: give it a joint NAME free ground %s "
+                         "with a line of six stiffnesses, a millionth of theirs",
+                         s->body[body].name, s->body[body].name);
   }
   return scene_failed(s, s->trim ? "trim" : "start", status);
 }

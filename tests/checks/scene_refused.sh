@@ -1854,3 +1854,16 @@ end
 duration 1e-3
 step 1e-3
 END
+refuse 5 "trim does not find where body b rests on springs alone" << END
+trim
+body b rigid
+  hub 2  0 0 0  1 1 1
+end
+spring s ground b
+  position 0 0 3  0 0 0
+  stiffness 50
+  length 1
+end
+load b dead force 0 0 -20
+output z position b z
+END
