@@ -19,7 +19,7 @@ EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi) $(if $(shell command -v
 WORDS    = scene campaign reduce fmu elastodyn analyse advise exact
 PACKAGES = meson conan vcpkg arduino platformio esp-idf zephyr consumer sbom
 # long ones first, so that the two jobs of `make ci` end together
-CHECKS   = tidy memory bits code_tree firmware suite sanitize hostile fuzz instructions compile fmu stack faults rom removed coverage code code_scene campaign single long rooms code_hostile parts mismatch \
+CHECKS   = tidy memory bits code firmware suite sanitize hostile fuzz instructions compile fmu stack faults rom removed coverage code_scene campaign single long rooms parts mismatch \
            advise symbols threads two_precisions jacobian trace python style ids documents quickstart first_build fast_math output hil aero scene curves modes linear import mesh blade packages page hard laws
 
 .DELETE_ON_ERROR:
@@ -414,7 +414,7 @@ check-trace: build/examples/tutorial_filter
 
 check-output: build/flexbeam $(EXAMPLES:%=build/examples/%)
 
-$(addprefix check-,advise bits code code_hostile code_scene code_tree compile curves firmware fmu import linear mesh modes packages parts rom scene trace): build/flexbeam
+$(addprefix check-,advise bits code code_scene compile curves firmware fmu import linear mesh modes packages parts rom scene trace): build/flexbeam
 
 check-campaign: build/flexbeam $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
 

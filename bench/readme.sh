@@ -353,10 +353,10 @@ firmware() {
   } | block firmware
 }
 
-# Of the reports of both checks of generated steps.
+# Of the report of the check of generated steps.
 code() {
-  { CHECK_ALL=1 make -s check-code && CHECK_ALL=1 make -s check-code_tree; } > "$out/code"
-  { echo '```'; sed -n -e 's/^ok *code_tree: /scene --code: /' -e 's/^ok *code: /reduce --code: /' -e '/--code: /s/; /\n  /gp' "$out/code"; echo '```'; } | block code
+  CHECK_ALL=1 make -s check-code > "$out/code"
+  { echo '```'; sed -n -e 's/^ok *code: //p' "$out/code" | sed -e 's/; /\n  /g' -e 's/, \([0-9]* [a-z0-9]\)/\n  \1/g'; echo '```'; } | block code
 }
 
 compile() {

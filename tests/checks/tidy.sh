@@ -13,7 +13,7 @@
 need clang-tidy clang-tidy
 need cppcheck cppcheck
 need gcc gcc
-files="$(ls tests/test_*.c examples/*.c examples/*/*.c bench/*.c tests/checks/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi -e rom.c -e rom_rotors.c -e fmu2.c -e fmu3.c -e checks/single.c -e checks/trace.c -e tutorial_filter -e checks/code.c -e checks/code_tree.c -e checks/code_lanes.c -e checks/code_hostile.c -e bench/lanes.c -e checks/advise.c -e checks/parts.c)" # they want a generated header, or other libraries
+files="$(ls tests/test_*.c examples/*.c examples/*/*.c bench/*.c tests/checks/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi -e rom.c -e rom_rotors.c -e fmu2.c -e fmu3.c -e checks/single.c -e checks/trace.c -e tutorial_filter -e checks/code.c -e bench/lanes.c -e checks/advise.c -e checks/parts.c)" # they want a generated header, or other libraries
 inside="bench/bench_exact.c bench/bench_system.c"
 printf '#define FB_WITH_FORMS 1\n#include "flexbeam.h"\n#include "flexbeam_impl.h"\n' > "$out/library.c"
 # look FILES FB_SINGLE OPTIONS...: by clang-tidy
