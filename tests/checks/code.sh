@@ -3,7 +3,7 @@
 # with the library's, unloaded and loaded, also at nodes; motion, nodes, energy, refusals and step limits are the library's; variable
 # parameters are its fb_body_scale; lanes have the bits of single steps; numbers that are none and flipped bits change nothing, under
 # sanitizers; the text compiles without warnings as C99 and C++; instructions keep their bounds and do not vary. So for SDIRK, of joints
-# and modes 1,000 times as stiff, and in single precision. Every second of each list each day.
+# and modes 1,000 times as stiff, and 300 in single precision. Every second of each list each day.
 . tests/checks/common.sh
 . tests/checks/board.sh
 need gcc gcc
@@ -80,7 +80,7 @@ for each in "craft $all" "linear $all" "pinned $all" "prescribed $all" "hinged $
 done
 
 single=0
-for model in craft pinned prescribed hinged strain wheels falling line line_prescribed unbalanced "craft --vary $all" screw driven stops loops rotors springs tied axes_ball two_free lines_two lines_spring; do
+for model in craft pinned prescribed hinged strain wheels falling central line line_prescribed unbalanced "craft --vary $all" screw driven stops loops rotors springs tied axes_ball two_free lines_two lines_spring lines_rotors; do
   number=$((number + 1))
   today $number 2 || continue
   against "$model --single" ""
