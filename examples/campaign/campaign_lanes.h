@@ -76,15 +76,16 @@ static const char *lanes_scene_refusal(const scene *s)
   const struct {
     int n;
     const char *what;
-  } other[] = {{!scene_is_system(s) || s->is_exact, "one body without a joint: choose bodies on joints"},
-               {s->n_load, "load and nudge: choose motors and prescribed axes"},
-               {s->n_distributed, "distributed: choose a scene without"},
-               {s->n_control, "control: choose springs and dampers of joints"},
-               {s->n_spring, "spring: choose stiffness and damping of joints"},
-               {s->n_event, "event: choose a scene without"},
-               {s->n_rotor, "rotor: choose bodies without"},
-               {!(s->step > 0), "no step is given: give it"},
-               {engine.integrator != FB_INTEGRATOR_RK4, "another integrator than rk4"}};
+  } other[] = {
+      {!scene_is_system(s) || s->is_exact, "one body without a joint: choose bodies on joints"},
+      {s->n_load, "a load or nudge does not go by lanes: let motors or prescribed axes act, or leave --lanes out"},
+      {s->n_distributed, "distributed: choose a scene without"},
+      {s->n_control, "control: choose springs and dampers of joints"},
+      {s->n_spring, "spring: choose stiffness and damping of joints"},
+      {s->n_event, "event: choose a scene without"},
+      {s->n_rotor, "rotor: choose bodies without"},
+      {!(s->step > 0), "no step is given: give it"},
+      {engine.integrator != FB_INTEGRATOR_RK4, "another integrator than rk4"}};
   for (int k = 0; k < (int)(sizeof other / sizeof *other); k++) {
     if (other[k].n > 0) {
       return other[k].what;

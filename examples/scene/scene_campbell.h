@@ -272,7 +272,7 @@ static int campbell_choose(int drawn[CAMPBELL_DRAWN], const track *t)
   const double top = campbell_top(t);
   int n = 0;
   for (int a = 0; a < t->n_curve && n < CAMPBELL_DRAWN; a++) {
-    if (track_twin(t, a) == a && (n < CAMPBELL_STILL || (top > 0 && campbell_least(t, a) < top))) {
+    if (track_twin(t, a) == a && (n < CAMPBELL_STILL || !(top > 0) || campbell_least(t, a) < top)) {
       drawn[n++] = a;
     }
   }
@@ -331,12 +331,15 @@ static void campbell_label(FILE *gnuplot, const track *t, int per, double most)
 /* Frequencies in Hz and rad/s over the parameter. */
 static void campbell_draw(const track *t, const char *csv, const char *name, const char *words)
 {
-  int drawn[CAMPBELL_DRAWN], longest = 0;
+  int drawn[CAMPBELL_DRAWN], longest = 0, distinct = 0;
   const int n = campbell_choose(drawn, t);
   const double most = campbell_most(t, drawn, n) / (2 * function_pi);
   char svg[512], title[CAMPBELL_DRAWN][96], label[128];
   FILE *gnuplot;
   other_name(svg, sizeof svg, csv, ".svg");
+  for (int a = 0; a < t->n_curve; a++) {
+    distinct += track_twin(t, a) == a;
+  }
   for (int i = 0; i < n; i++) {
     campbell_title(title[i], t, drawn[i]);
     longest = (int)fmax(longest, (double)strlen(title[i]));
@@ -371,6 +374,9 @@ static void campbell_draw(const track *t, const char *csv, const char *name, con
     fputs(i + 1 < n ? ",\\\n" : "\n", gnuplot);
   }
   plot_end(gnuplot, svg, stdout);
+  if (n < distinct) {
+    printf("the picture shows the %d slowest of %d curves; all are in %s\n", n, distinct, csv);
+  }
 }
 
 /* What the scene says of a parameter behind its value. */

@@ -479,6 +479,18 @@ static void scene_check_controls(text_file *t, const scene *s)
   }
 }
 
+/* Names of all parameters, as many as fit. */
+static const char *scene_parameter_names(const scene *s)
+{
+  static char names[400];
+  int n = 0;
+  names[0] = 0;
+  for (int i = 0; i < s->n_parameter && n + TEXT_NAME + 2 < (int)sizeof names; i++) {
+    n += snprintf(names + n, sizeof names - (size_t)n, "%s%s", i ? ", " : "", s->parameter[i].name);
+  }
+  return names;
+}
+
 /* Where everything stands that controllers remember. */
 static void scene_lay_out(text_file *t, scene *s)
 {
@@ -517,7 +529,8 @@ static void scene_check_settings(text_file *t, const scene *s)
     if (!there) {
       t->word = s->set[k].name;
       t->word_line = t->line;
-      text_fail(t, "no parameter has the name %s, which is to be set", s->set[k].name);
+      text_fail(t, "no parameter has the name %s, which is to be set; %s%s", s->set[k].name,
+                s->n_parameter ? "there are: " : "the scene has none", scene_parameter_names(s));
     }
   }
 }

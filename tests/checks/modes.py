@@ -90,6 +90,17 @@ def hinged(spin, twist=-10.0, flap=12000.0, lag=250000.0, terms=12):
     return np.sqrt(square), part
 
 
+def check_rounding_is_no_growth():
+    """Nothing damps a short blade on a hinge, nor drives it: at no speed any mode grows, the fastest neither."""
+    text = 'parameter spin 8\ntrim\nbody hub rigid\n hub 100 0 0 0 10 10 10\n node 0.25 0 0 hinge\nend\n' \
+        'body blade beam\n hub 1 0 0 0 0.004 0.004 0.004\n length 6\n elements 20\n stations x mass EI_y EI_z\n  0 8.5 9e4 1.1e6\n end\n' \
+        ' modes bend_y 3\nend\njoint shaft revolute ground hub\n axis 0 0 1\n mode prescribed\n rate 1 constant $spin\nend\n' \
+        'joint lag revolute hub.hinge blade\n axis 0 0 1\nend\n'
+    table = campbell(write('undamped.txt', text), 'spin', 3, 40, 38)
+    for name in frequencies(table):
+        want(not np.any(table[name + ' growth']), 'undamped, but %s has growth %s' % (name, table[name + ' growth']))
+
+
 def check_hinged_blade():
     """Its first figures to their digits, its curves over the speed, each a mode of the polynomials."""
     table = campbell(blade, 'spin', 27, 27, 1)
@@ -401,7 +412,7 @@ def check_refusals():
     want('(at rate = 0)' in error, error)
 
 
-for check in (check_hinged_blade, check_crossing, check_nrel, check_onset, check_rotor, check_overdamped, check_names, check_animation, check_family,
+for check in (check_rounding_is_no_growth, check_hinged_blade, check_crossing, check_nrel, check_onset, check_rotor, check_overdamped, check_names, check_animation, check_family,
               check_measures, check_rest, check_rest_of_three, check_refusals):
     check()
 print(', '.join('%s %.1e' % item for item in worst.items()))
