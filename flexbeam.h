@@ -197,7 +197,7 @@
      fb_system_analyse_work    2017752
      fb_exact_path_work         238648
      fb_exact_spectrum_work    1853192
-     fb_exact_linear_work      2306072
+     fb_exact_linear_work      2376344
      fb_advice_work            1156848
 
    CONVENTIONS
