@@ -28106,9 +28106,9 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
 static fb_status fbi_rotors_desc_check(const fb_shape *shape, const fb_body_desc *desc)
 {
   const fbi_count count[] = {FBI_COUNT(desc->n_rotor, 0, FB_MAX_ROTORS, "n_rotor, 0 to FB_MAX_ROTORS, beyond")};
-  const fbi_count filled[] = {
-      FBI_COUNTED(desc->n_rotor, !fbi_is_zero(&desc->rotor[0].inertia, 1) || !fbi_is_zero(desc->rotor[0].axis, 3),
-                  "n_rotor, 1 where rotor[0] is filled")};
+  const fbi_count filled[] = {FBI_COUNTED(
+      desc->n_rotor, !(FB_FABS(desc->rotor[0].inertia) <= FB_R(0.0)) || !fbi_is_zero(desc->rotor[0].axis, 3),
+      "n_rotor, 1 where rotor[0] is filled")};
   FBI_TRY(fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1));
   FBI_TRY(fbi_counts_check(FB_ERR_VALUE, filled, FBI_LENGTH(filled), -1));
   for (int r = 0; r < desc->n_rotor; r++) {

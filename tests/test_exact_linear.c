@@ -807,7 +807,7 @@ TEST(the_check_word_of_a_exact_beam_sees_every_byte)
   }
   start();
   FBT_INT_EQ(exact.n_joint, 1);
-  unused = (FB_MAX_EXACT - 3) * ((1 + 6 + 7 * 36 + 3 * 4 + 4 + 3 + 4) * (int)sizeof(fb_real) + 3 * (int)sizeof(int)) +
+  unused = (FB_MAX_EXACT - 3) * ((1 + 6 + 7 * 36 + 4 + 20 + 4 + 3 + 4) * (int)sizeof(fb_real) + 3 * (int)sizeof(int)) +
            (1 + FB_MAX_LUMPS) * (int)sizeof(int) + /* inboard of no element, branches */
            (FB_MAX_LUMPS - 1) * (int)sizeof(fb_exact_joint);
   FBT_TRUE(fbt_unseen(&exact, sizeof exact, beam_word) <= unused + (int)(sizeof(fb_real) - sizeof(int)));
