@@ -57,11 +57,11 @@ static int modal_body(const scene *s, int i)
 }
 
 /* Parts by their share of the kinetic energy of a shape, largest first: how many. What floats has no share: what moves
-   against it tells. */
+   against it tells, unless nearly all of it floats (nutation). */
 static int modal_parts(modal_part *part, const scene *s, const modal_shape *z)
 {
   const int one = !scene_is_system(s), half = one ? engine.body[0].n : modal_states(s);
-  double sum = 0;
+  double sum = 0, floating = 0;
   int n = 0;
   for (int i = 0; i < half; i++) {
     const int c = modal_coordinate(s, i), b = modal_body(s, i);
@@ -71,6 +71,7 @@ static int modal_parts(modal_part *part, const scene *s, const modal_shape *z)
     const int bends = c >= modal_first(s, 0), length = bends && dot ? (int)(dot - name) : (int)strlen(name);
     int at = 0;
     if (!one && !bends && engine.system.joint[b].kind == FB_JOINT_FREE && !engine.system.joint[b].moored) {
+      floating += share;
       continue;
     }
     while (at < n && (strlen(part[at].name) != (size_t)length || strncmp(part[at].name, name, (size_t)length) != 0)) {
@@ -100,7 +101,7 @@ static int modal_parts(modal_part *part, const scene *s, const modal_shape *z)
     }
     part[i].share = sum > 0 ? part[i].share / sum : 0;
   }
-  return sum > 0 ? n : 0;
+  return sum > 0.01 * floating ? n : 0;
 }
 
 /* "flap.1 97 %, blade 3 % (q1)" */

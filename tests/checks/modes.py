@@ -101,6 +101,15 @@ def check_rounding_is_no_growth():
         want(not np.any(table[name + ' growth']), 'undamped, but %s has growth %s' % (name, table[name + ' growth']))
 
 
+def check_nutation():
+    """A craft with a wheel and a tank that sways: the slow mode is the craft's, though the tank follows it."""
+    text = 'duration 1\nbody hub rigid\n hub 500 0 0 0 100 100 80\n node 0.2 0 0.3 tank\nend\nbody slosh rigid\n hub 0.5 0 0 0 0.01 0.01 0.01\nend\n' \
+        'joint sway prismatic hub.tank slosh\n axis 1 0 0\n stiffness 0.5\nend\nrotor wheel hub\n axis 0 0 1\n inertia 0.1\n speed 50\nend\n'
+    slow, fast = scene(write('nutation.txt', text), '--modes').splitlines()[-2:]
+    near('nutation', float(slow.split()[3]), 0.05, 2e-3)
+    want('rigid-body motion or rotors' in slow and 'sway.1 100 %' in fast, 'nutation: %s, sway: %s' % (slow, fast))
+
+
 def check_hinged_blade():
     """Its first figures to their digits, its curves over the speed, each a mode of the polynomials."""
     table = campbell(blade, 'spin', 27, 27, 1)
@@ -412,7 +421,7 @@ def check_refusals():
     want('(at rate = 0)' in error, error)
 
 
-for check in (check_rounding_is_no_growth, check_hinged_blade, check_crossing, check_nrel, check_onset, check_rotor, check_overdamped, check_names, check_animation, check_family,
+for check in (check_rounding_is_no_growth, check_nutation, check_hinged_blade, check_crossing, check_nrel, check_onset, check_rotor, check_overdamped, check_names, check_animation, check_family,
               check_measures, check_rest, check_rest_of_three, check_refusals):
     check()
 print(', '.join('%s %.1e' % item for item in worst.items()))
