@@ -28,9 +28,9 @@ typedef struct fmu_plant_state { /* all that changes in a scene that runs */
   double longest, part;          /* of timing */
   fb_integrator integrator;
   int event, halved; /* of the run */
-  double origin[SCENE_JOINTS][3];
   struct scene_controlling controlling[SCENE_CONTROLS];
-  double remembered[SCENE_REMEMBERED]; /* the first n_remembered, and.. */
+  double remembered[SCENE_REMEMBERED]; /* the first n_remembered */
+  double origin[SCENE_JOINTS][3];      /* of the joints that there are, and.. */
   union {
     fb_state body;
     fb_system_state system;
@@ -504,11 +504,10 @@ static inline int fmu_plant_spans(const fmu_plant *p, fmu_span *span, fmu_plant_
   const size_t hinges = (size_t)(s->is_exact ? s->exact.desc.n_joint : 0);
   const size_t head = offsetof(fmu_plant_state, remembered) + (size_t)s->n_remembered * sizeof state->remembered[0];
   const fmu_span first = {state, head}, alone = {&state->of.body, sizeof state->of.body};
-  const fmu_span of_system[] = {{system->link, bodies * sizeof system->link[0]},
-                                {&system->motor_work, real},
-                                {system->mode, joints * sizeof system->mode[0]},
-                                {system->hold, joints * sizeof system->hold[0]},
-                                {system->hold_quat, joints * sizeof system->hold_quat[0]}};
+  const fmu_span of_system[] = {
+      {system->link, bodies * sizeof system->link[0]},   {&system->motor_work, real},
+      {state->origin, joints * sizeof state->origin[0]}, {system->mode, joints * sizeof system->mode[0]},
+      {system->hold, joints * sizeof system->hold[0]},   {system->hold_quat, joints * sizeof system->hold_quat[0]}};
   const size_t whole = sizeof(fb_exact_state) - offsetof(fb_exact_state, known);
   const fmu_span of_exact[] = {{x->base_position, 7 * real},
                                {x->r, 3 * nodes * real},
