@@ -1501,8 +1501,8 @@ FB_API fb_status fb_system_momentum_eval(const fb_system *system, const fb_body 
    mass, two thirds of which move with the middle of an element and a sixth with each node, and rotary inertia, of which
    the nodes have two thirds about the line and all across it: at the nodes a linear beam is then exact, a bent one, the
    bending frequencies of a straight one without shear and rotary inertia and those of its twist are of order 4, motion
-   in time and all else of order 2 (first frequency between hinges, GA = 200 EI/L^2: 2.0e-4, 4.9e-5, 1.2e-5 high with 10, 20, 40 elements,
-   1.0e-5, 6.3e-7, 4.0e-8 without). A1 V1 + A2 V2 is the velocity of a pose, the middle
+   in time and all else of order 2 (first frequency between hinges, GA = 200 EI/L^2: 2.0e-4, 4.9e-5, 1.2e-5 high with 10,
+   20, 40 elements, 1.0e-5, 6.3e-7, 4.0e-8 without). A1 V1 + A2 V2 is the velocity of a pose, the middle
    between those of the nodes: the beam is a Hamiltonian system at any mesh, and what is stable without loss has no growth
    but rounding, spinning with its mass off its line, too. An element that turns, by bending or as built, by 15 degrees is
    9e-4 too stiff, by 45 degrees 8e-3, by 90 degrees 5 percent, of order 4: keep it below 15 degrees where that counts. A
@@ -2974,8 +2974,8 @@ typedef struct fb_exact_linear_work fb_exact_linear_work; /* scratch; large: mak
 /* Modal model with the `count` slowest modes (modes with equal eigenvalues stay together: one or two more) about a
    steady state of fb_exact_trim with the same input, for the inputs and outputs of desc (NULL: none). Its eigenvalues
    are those of fb_exact_spectrum_solve, and its static response is exact. Base velocity and rate move the frame in
-   which the beam is described; gravity and dead loads, which do not rotate with it, keep their present direction. Supports
-   stay where they are in that frame, but for inputs that move them.
+   which the beam is described; gravity and dead loads, which do not rotate with it, keep their present direction.
+   Supports stay where they are in that frame, but for inputs that move them.
    FB_ERR_SINGULAR: no static response (an unsupported beam, a limit point), or two parallel modes (onset of flutter);
    FB_ERR_VALUE, FB_ERR_CAPACITY: count, or a port that does not exist; else as fb_exact_spectrum_solve. On failure
    linear is unchanged. */
